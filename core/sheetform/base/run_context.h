@@ -1,0 +1,35 @@
+// What every stage is given besides its input: cancellation, a deadline, progress, threads, a seed.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace sheetform {
+
+/// Names of the stages in the order in which they run; progress lines, job rows and timings speak of these.
+enum class Stage { kRead, kPrepare, kField, kTrace, kInsert, kRemove, kFinal, kWrite };
+const char* to_string(Stage stage);
+
+/// Shared by all stages of one run. A stage calls checkpoint() at least every 50 ms of work.
+struct RunContext {
+  const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread to stop the run
+  std::optional<std::chrono::steady_clock::time_point> deadline;
+  /// Called from the running thread, never concurrently. fraction: of the whole run, 0..1, never decreasing.
+  std::function<void(Stage, double fraction, const std::string& message)> progress;
+  int threads = 1;         ///< upper bound of worker threads; results do not depend on it
+  std::uint64_t seed = 0;  ///< the only source of randomness
+
+  /// Throws Error kCancelled or kDeadlineExceeded when the run has to stop.
+  void checkpoint() const;
+  /// Reports that `stage` is done to `part` (0..1) of itself.
+  void report(Stage stage, double part, const std::string& message = {}) const;
+};
+
+/// Calls fn(i) for i in [0, n), on up to context.threads threads; exceptions are rethrown. Each i must write
+/// only its own output, then the result does not depend on the number of threads.
+void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn);
+
+}  // namespace sheetform

@@ -1,0 +1,1 @@
+#include "sheetform/decompose.h"

@@ -1,0 +1,86 @@
+// The facade: a mesh and parameters go in, a certified decomposition comes out.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sheetform/base/error.h"
+#include "sheetform/base/run_context.h"
+#include "sheetform/mesh/mesh_audit.h"
+#include "sheetform/mesh/surface_mesh.h"
+#include "sheetform/strip/certificate.h"
+#include "sheetform/strip/strip_mesh.h"
+
+namespace sheetform {
+
+enum class Effort { kDraft, kNormal, kThorough };
+enum class SymmetryMode { kOff, kAuto, kPlane };
+enum class MorphKind { kReduced, kFull };
+
+/// A plane normal . x = offset, in the units of the mesh; normal is unit.
+struct Plane {
+  Vector3 normal = Vector3::UnitX();
+  double offset = 0;
+};
+
+/// Every parameter of a decomposition. Defaults are held to proto/schemas/parameters.schema.json by a test.
+struct DecomposeParams {
+  double e_max = 0.02;                ///< tolerance as a fraction of the input's bounding-box diagonal, (0, 0.5]
+  std::optional<double> e_max_mm;     ///< tolerance in millimetres instead; wins over e_max
+  bool t_junctions = true;
+  SymmetryMode symmetry = SymmetryMode::kOff;
+  Plane plane;                        ///< used with SymmetryMode::kPlane
+  int max_sides = 6;                  ///< n of the paper, 3..6
+  std::optional<double> crease_angle = 40;  ///< degrees; none = creases off
+  bool self_seams = true;             ///< a patch may be glued to itself
+  std::optional<double> normal_deviation;   ///< degrees; optional viability criterion
+  Effort effort = Effort::kNormal;
+  MorphKind morph = MorphKind::kReduced;
+  double scale = 1;                   ///< millimetres for one unit of the mesh; target_size wins
+  std::optional<double> target_size;  ///< longest side of the bounding box in millimetres
+  std::uint64_t seed = 0;
+};
+
+/// A cross direction for each face or vertex given by the user (zero = free).
+struct UserField {
+  std::vector<Vector3> per_vertex;  ///< in the order of the file's vertices; empty when per_face is used
+  std::vector<Vector3> per_face;
+};
+
+/// The uploaded mesh, as read.
+struct InputMesh {
+  TriangleSoup soup;
+  std::string format;       ///< "obj", "stl", "ply", "off"
+  std::string name;         ///< display name, may be empty
+};
+
+/// What was measured of the run; lengths are fractions of the input's bounding-box diagonal.
+struct Report {
+  int patches = 0;
+  double hausdorff = 0, mean_distance = 0, cut_length = 0, border_length = 0;
+  bool e_max_met = false;
+  double isometry_error = 0;
+  Vector3 worst_place = Vector3::Zero();  ///< units of the mesh
+  std::map<std::string, double> timings;  ///< seconds by stage name
+  std::vector<std::string> notes;         ///< for people: repairs, unmet tolerance and where, fallbacks used
+};
+
+struct Decomposition {
+  StripMesh strips;
+  DecomposeParams params;      ///< as in force: scale and e_max resolved
+  double bbox_diagonal = 0;    ///< of the input, units of the mesh
+  int input_vertices = 0, input_faces = 0;
+  MeshAudit audit;             ///< what was wrong with the input and what was repaired
+  Certificate certificate;
+  Report report;
+};
+
+/// Throws Error kInvalidParameter for values out of range (what, where = name, fix).
+void validate(const DecomposeParams& params);
+
+/// The whole pipeline. Every result has passed its own certificate. Same input, params, seed: same bytes.
+Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,
+                        RunContext& context);
+
+}  // namespace sheetform

@@ -1,0 +1,79 @@
+#include "support/shapes.h"
+
+#include <array>
+#include <map>
+
+namespace sheetform::shapes {
+namespace {
+
+// The surface of the cube [-1,1]^3 with n x n quads a side, oriented outward.
+TriangleSoup cube_surface(int n) {
+  TriangleSoup soup;
+  std::map<std::array<int, 3>, int> ids;
+  auto id = [&](const std::array<int, 3>& key) {
+    const auto [it, fresh] = ids.emplace(key, static_cast<int>(soup.points.size()));
+    if (fresh) soup.points.emplace_back(2.0 * key[0] / n - 1, 2.0 * key[1] / n - 1, 2.0 * key[2] / n - 1);
+    return it->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side <= n; side += n)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          auto at = [&](int u, int v) {
+            std::array<int, 3> key{};
+            key[axis] = side, key[(axis + 1) % 3] = u, key[(axis + 2) % 3] = v;
+            return id(key);
+          };
+          int a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+          if (side == 0) std::swap(b, d);
+          soup.faces.push_back({a, b, c});
+          soup.faces.push_back({a, c, d});
+        }
+  return soup;
+}
+
+}  // namespace
+
+TriangleSoup sphere(int n, double radius) {
+  TriangleSoup soup = cube_surface(n);
+  for (Vector3& p : soup.points) {
+    for (int k = 0; k < 3; ++k) p[k] = std::tan(p[k] * kPi / 4);  // evens out the spacing
+    p = p.normalized() * radius;
+  }
+  return soup;
+}
+
+TriangleSoup box(int n, const Vector3& size) {
+  TriangleSoup soup = cube_surface(n);
+  for (Vector3& p : soup.points) p = (p.array() * size.array() / 2).matrix();
+  return soup;
+}
+
+TriangleSoup closed_cylinder(int around, int along, double r, double height) {
+  const int rings = std::max(2, around / 6);
+  TriangleSoup soup;
+  // Bottom centre, bottom rings outwards, wall rings upwards, top rings inwards, top centre.
+  std::vector<std::pair<double, double>> profile;  // radius, z
+  for (int i = 1; i <= rings; ++i) profile.emplace_back(r * i / rings, 0);
+  for (int i = 1; i <= along; ++i) profile.emplace_back(r, height * i / along);
+  for (int i = rings - 1; i >= 1; --i) profile.emplace_back(r * i / rings, height);
+  soup.points.emplace_back(0, 0, 0);
+  for (const auto& [radius, z] : profile)
+    for (int k = 0; k < around; ++k)
+      soup.points.emplace_back(radius * std::cos(2 * kPi * k / around), radius * std::sin(2 * kPi * k / around), z);
+  soup.points.emplace_back(0, 0, height);
+  const int last = static_cast<int>(soup.points.size()) - 1, m = static_cast<int>(profile.size());
+  auto at = [&](int ring, int k) { return 1 + ring * around + k % around; };
+  for (int k = 0; k < around; ++k) {
+    soup.faces.push_back({0, at(0, k + 1), at(0, k)});
+    soup.faces.push_back({last, at(m - 1, k), at(m - 1, k + 1)});
+    for (int ring = 0; ring + 1 < m; ++ring) {
+      const int a = at(ring, k), b = at(ring, k + 1), c = at(ring + 1, k + 1), d = at(ring + 1, k);
+      soup.faces.push_back({a, b, c});
+      soup.faces.push_back({a, c, d});
+    }
+  }
+  return soup;
+}
+
+}  // namespace sheetform::shapes
