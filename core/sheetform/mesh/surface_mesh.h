@@ -1,6 +1,7 @@
 // The mesh that every stage works on: flat arrays, connectivity built once.
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <utility>
 #include <vector>
