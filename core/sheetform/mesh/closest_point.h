@@ -16,27 +16,36 @@ struct ClosestPoint {
 
 /// Built once per triangle set; queries are const and thread-safe. Build O(n log n), query O(log n) typical.
 /// Ties are broken by the lower face id, so answers do not depend on the tree's shape.
+/// Degenerate triangles count as the segments or points that they are.
 class ClosestPointTree {
  public:
   ClosestPointTree() = default;
   ClosestPointTree(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces);
-  /// Nearest point within sqrt(bound2); face = -1 if there is none.
+  /// Nearest point within sqrt(bound2); face = -1 if there is none (or the query is not finite). A good bound
+  /// makes the query faster.
   ClosestPoint closest(const Vector3& query, double bound2 = std::numeric_limits<double>::infinity()) const;
   bool empty() const { return nodes_.empty(); }
 
  private:
+  // Four children side by side, boxes in single precision of normalised coordinates, rounded outward: they
+  // only ever serve to skip a child.
   struct Node {
-    Vector3 lo, hi;
-    int begin, end;  // leaf: range of triangles_; inner: children are `begin` and `end`
-    bool leaf;
+    Eigen::Array4f lo[3], hi[3];
+    int first[4];  // node id, or first triangle of a leaf
+    int count[4];  // triangles of a leaf; 0: inner child; -1: no child
   };
   struct Triangle {
-    Vector3 a, b, c;
+    Vector3 a, ab, ac;
+    double bb, bc, cc;  // dot products of ab and ac
     int face;
+    bool thin;  // so thin that its plane means nothing
   };
-  int build(int begin, int end);
+  struct Builder;
+  void test_triangle(const Triangle& t, const Vector3& query, ClosestPoint& best) const;
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;
+  Vector3 centre_ = Vector3::Zero();
+  double scale_ = 1;  // of a model length to a normalised one
 };
 
 }  // namespace sheetform
