@@ -1,4 +1,5 @@
-// Field-aligned paths: the graph of four nodes a vertex, loops and border-to-border paths (paper 3.4; method.md 3, 4).
+// Field-aligned paths: the graph of four nodes a vertex, loops and border-to-border paths (paper 3.4;
+// method.md 3, 4).
 #pragma once
 #include <vector>
 
@@ -13,10 +14,10 @@ namespace sheetform {
 /// Vertices marked as terminal (surface border, creases) are only first or last on a path, never passed.
 struct TracingGraph {
   struct Arc {
-    int to;          ///< node
-    float length;    ///< along the mesh edges
-    float drift;     ///< angle to the field in degrees, mean of the signed deviations at both ends, >= 0
-    int chain_begin; ///< inner vertices of the chain from tail to head: [chain_begin, chain_end) of `chain`
+    int to;           ///< node
+    float length;     ///< along the mesh edges
+    float drift;      ///< angle to the field in degrees, mean of the signed deviations at both ends, >= 0
+    int chain_begin;  ///< inner vertices of the chain from tail to head: [chain_begin, chain_end) of `chain`
     int chain_end;
   };
   std::vector<int> arc_begin;  ///< CSR over nodes
@@ -33,30 +34,33 @@ struct GraphParams {
   double radius_edges = 3.2;  ///< experiments.md Q2
   double max_angle = 40;      ///< degrees
 };
-TracingGraph tracing_graph(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, const CrossField& field,
-                           const GraphParams& params, RunContext& context);
+TracingGraph tracing_graph(const SurfaceMesh& mesh, const std::vector<char>& crease_edge,
+                           const CrossField& field, const GraphParams& params, RunContext& context);
 
-/// A chain of mesh edges, simple (no vertex twice, apart from the closing one of a loop, which is not repeated here).
+/// A chain of mesh edges, simple (no vertex twice, apart from the closing one of a loop, which is not
+/// repeated here).
 struct Path {
   std::vector<int> vertices;
-  std::vector<signed char> dirs;  ///< direction d of travel at each vertex (that of the graph node, or the closest)
+  std::vector<signed char>
+      dirs;  ///< direction d of travel at each vertex (that of the graph node, or the closest)
   bool loop = false;
   double length = 0;
-  double drift = 0;               ///< mean of the squared angle / 45 degrees, weighted by length
+  double drift = 0;  ///< mean of the squared angle / 45 degrees, weighted by length
 };
 
 struct TraceParams {
-  double drift_weight = 50;   ///< cost = length * (1 + drift_weight * (drift/45)^2)
-  double max_cost = 12;       ///< in bounding-box diagonals; a search gives up beyond
-  int seeds = 300;            ///< interior seeds, two loops each
+  double drift_weight = 50;  ///< cost = length * (1 + drift_weight * (drift/45)^2)
+  double max_cost = 12;      ///< in bounding-box diagonals; a search gives up beyond
+  int seeds = 300;           ///< interior seeds, two loops each
   int border_seeds = 120;
 };
-/// Candidate paths: loops from well spread interior seeds, and border/crease-to-border/crease paths. No duplicates
-/// (paths that share over 80 % of their M2 nodes), no self-touching ones. Deterministic.
-std::vector<Path> trace_candidates(const SurfaceMesh& mesh, const TracingGraph& graph, const CrossField& field,
-                                   const TraceParams& params, RunContext& context);
+/// Candidate paths: loops from well spread interior seeds, and border/crease-to-border/crease paths. No
+/// duplicates (paths that share over 80 % of their M2 nodes), no self-touching ones. Deterministic.
+std::vector<Path> trace_candidates(const SurfaceMesh& mesh, const TracingGraph& graph,
+                                   const CrossField& field, const TraceParams& params, RunContext& context);
 
-/// Distances on the M4 graph: per node, the length of the shortest way from any source node. Decrease-only updates.
+/// Distances on the M4 graph: per node, the length of the shortest way from any source node. Decrease-only
+/// updates.
 class NodeDistance {
  public:
   NodeDistance(const TracingGraph& graph, double cap);
@@ -73,10 +77,10 @@ class NodeDistance {
   std::vector<double> distance_;
 };
 
-/// The cheapest path inside a set of faces from one of `sources` (nodes) to one of `targets` (nodes), through vertices
-/// with allowed[v] only (sources and targets always are). Empty when there is none.
+/// The cheapest path inside a set of faces from one of `sources` (nodes) to one of `targets` (nodes), through
+/// vertices with allowed[v] only (sources and targets always are). Empty when there is none.
 Path trace_between(const SurfaceMesh& mesh, const TracingGraph& graph, const CrossField& field,
-                   const std::vector<int>& sources, const std::vector<int>& targets, const std::vector<char>& allowed,
-                   const TraceParams& params);
+                   const std::vector<int>& sources, const std::vector<int>& targets,
+                   const std::vector<char>& allowed, const TraceParams& params);
 
 }  // namespace sheetform
