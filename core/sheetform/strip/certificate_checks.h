@@ -1,0 +1,52 @@
+// The single checks behind certificate.h. Tolerances are a little stricter than the judge's, so that rounding
+// between the two never decides; `bbox_diagonal` is the input's, lengths are in units of the uploaded mesh.
+#pragma once
+#include "sheetform/strip/certificate.h"
+#include "sheetform/strip/patch_shape.h"
+
+namespace sheetform::certificate {
+
+constexpr double kIsometry = 0.9e-6;     ///< S6: of the patch's size
+constexpr double kContact = 1.1e-9;      ///< S7: of the outline's diagonal
+constexpr double kFullTurn = 1.1e-9;     ///< S7: radians that must be missing to a full turn
+constexpr double kArea = 0.9e-6;         ///< S7: of the patch's area
+constexpr double kPlanar = 0.9e-4;       ///< S8: of the patch's size
+constexpr double kDegenerate = 1.01e-7;  ///< S9: of the input's diagonal
+
+/// "S1": an index out of range, a number that is not finite. Nothing else may be asked of such a result.
+std::vector<Defect> check_indices(const StripMesh& result);
+std::vector<Defect> check_patch_indices(const StripMesh& result, int patch);
+
+/// What one patch says about itself.
+std::vector<Defect> check_disk(const StripMesh& result, int patch, const PatchShape& shape);  // S3
+std::vector<Defect> check_isometry(const StripMesh& result, int patch, double* worst);        // S6
+std::vector<Defect> check_flat(const StripMesh& result, int patch, const PatchShape& shape,
+                               double diagonal);                                                 // S7
+std::vector<Defect> check_rulings(const StripMesh& result, int patch, const PatchShape& shape);  // S8
+std::vector<Defect> check_triangles(const StripMesh& result, int patch, double diagonal);        // S9
+
+/// The whole result with what its connectivity says; built once.
+struct Whole {
+  const StripMesh& result;
+  std::vector<PatchShape> shapes;
+  std::vector<Triple> faces;  ///< of all patches in their order, by point
+  std::vector<int> patch_of;  ///< of each face
+  EdgeTable table;            ///< of faces
+  Topology topology;
+  std::vector<char>
+      patch_edge;            ///< per edge: on the border, between patches, on a seam of a disk with itself
+  std::vector<int> valence;  ///< per point: patch edges there
+  explicit Whole(const StripMesh& strips);
+};
+std::vector<Defect> check_surface(const Whole& whole, const SurfaceMesh* input);  // S2
+std::vector<Defect> check_boundaries(const Whole& whole, int max_sides);          // S4
+std::vector<Defect> check_arches(const Whole& whole);                             // S5
+std::vector<Defect> check_uv_owners(const Whole& whole);                          // S7, across patches
+std::vector<Defect> check_doubled_points(const StripMesh& result, const std::vector<int>& points,
+                                         double diagonal);  // S9
+
+/// A point of the patch to show to people.
+Vector3 place_of(const StripMesh& result, int patch);
+void append(std::vector<Defect>& to, std::vector<Defect> more);
+
+}  // namespace sheetform::certificate
