@@ -9,9 +9,11 @@ namespace sheetform {
 
 /// One kind of finding with its number and the first place.
 struct AuditFinding {
-  std::string kind;    ///< stable name, e.g. "non-manifold-edge", "duplicate-face", "unused-vertex", "opposite-orientation"
+  std::string kind;  ///< stable name, e.g. "non-manifold-edge", "duplicate-face", "unused-vertex",
+                     ///< "opposite-orientation"
   int count = 0;
-  std::string text;    ///< for people, says also what was done: "3 edges with more than two faces were cut open"
+  std::string
+      text;  ///< for people, says also what was done: "3 edges with more than two faces were cut open"
   Vector3 place = Vector3::Zero();  ///< of the first one
 };
 
@@ -19,8 +21,8 @@ struct MeshAudit {
   int vertices = 0, faces = 0;           ///< of the file, after fan triangulation
   int components = 0, border_loops = 0;  ///< of the repaired mesh
   int euler = 0;
-  bool uniform = true;                   ///< edge lengths fit for the search without remeshing
-  std::vector<AuditFinding> findings;    ///< in the order in which they were repaired
+  bool uniform = true;                 ///< edge lengths fit for the search without remeshing
+  std::vector<AuditFinding> findings;  ///< in the order in which they were repaired
 };
 
 }  // namespace sheetform

@@ -32,7 +32,8 @@ struct SurfaceMesh {
   std::vector<std::array<int, 3>> faces;
   std::vector<Edge> edges;                     ///< sorted by (v0, v1)
   std::vector<std::array<int, 3>> face_edges;  ///< face_edges[f][k] joins corners k and (k+1)%3 of f
-  std::vector<int> ring_begin;  ///< CSR: edges at v, counter-clockwise; from border edge to border edge at the border
+  std::vector<int>
+      ring_begin;  ///< CSR: edges at v, counter-clockwise; from border edge to border edge at the border
   std::vector<int> ring_edges;
   std::vector<char> border_vertex;
 
@@ -52,8 +53,8 @@ struct SurfaceMesh {
   double edge_length(int e) const { return (points[edges[e].v0] - points[edges[e].v1]).norm(); }
 };
 
-/// Builds connectivity. Throws Error kUnsupportedMesh when the soup is not an oriented manifold without unused
-/// vertices (mesh/repair makes it one). O(n log n).
+/// Builds connectivity. Throws Error kUnsupportedMesh when the soup is not an oriented manifold without
+/// unused vertices (mesh/repair makes it one). O(n log n).
 SurfaceMesh build_surface_mesh(std::vector<Vector3> points, std::vector<std::array<int, 3>> faces);
 
 /// Diagonal of the bounding box; 0 for no points.
