@@ -1,0 +1,10 @@
+// The OpenAPI description as it is served: proto/openapi.yaml with the schema of the parameters filled in.
+#pragma once
+#include <string>
+
+namespace sheetform::api {
+
+/// JSON, OpenAPI 3.0.
+const std::string& api_description();
+
+}  // namespace sheetform::api

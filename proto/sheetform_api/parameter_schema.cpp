@@ -1,0 +1,265 @@
+#include "sheetform_api/parameter_schema.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+extern "C" const char sheetform_parameters_schema_begin[], sheetform_parameters_schema_end[];
+
+namespace sheetform::api {
+namespace {
+
+constexpr std::string_view kOff = "off";
+
+/// Shortest decimal without an exponent; the ranges of the schema are short numbers.
+std::string shortest(double value) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed).ptr;
+  return std::string(text, end);
+}
+
+/// The member of a union that is a number, or null.
+const Json& number_part(const Json& schema) {
+  static const Json none;
+  if (!schema.contains("oneOf")) return schema;
+  for (const Json& part : schema["oneOf"])
+    if (part.value("type", "") == "number") return part;
+  return none;
+}
+
+ParameterType type_of(const Json& schema) {
+  if (schema.contains("oneOf"))
+    return number_part(schema).is_null() ? ParameterType::kPlane : ParameterType::kNumberOrOff;
+  if (schema.contains("enum")) return ParameterType::kChoice;
+  const std::string type = schema.at("type");
+  if (type == "boolean") return ParameterType::kBoolean;
+  return type == "integer" ? ParameterType::kInteger : ParameterType::kNumber;
+}
+
+std::vector<std::string> choices_of(const Json& schema) {
+  if (schema.contains("enum")) return schema["enum"].get<std::vector<std::string>>();
+  if (schema.contains("oneOf"))
+    for (const Json& part : schema["oneOf"])
+      if (part.contains("enum")) return part["enum"].get<std::vector<std::string>>();
+  return {};
+}
+
+void read_range(const Json& part, ParameterDefinition& definition) {
+  if (part.contains("minimum")) definition.minimum = part["minimum"].get<double>();
+  if (part.contains("maximum")) definition.maximum = part["maximum"].get<double>();
+  if (part.contains("exclusiveMinimum")) {
+    definition.minimum = part["exclusiveMinimum"].get<double>();
+    definition.exclusive_minimum = true;
+  }
+}
+
+ParameterDefinition read_definition(const std::string& name, const Json& schema) {
+  ParameterDefinition d;
+  d.name = name;
+  d.title = schema.at("title");
+  d.text = schema.at("description");
+  d.unit = schema.value("x-unit", "");
+  d.group = schema.at("x-group");
+  d.type = type_of(schema);
+  d.choices = choices_of(schema);
+  if (const Json& part = number_part(schema); part.is_object()) read_range(part, d);
+  if (schema.contains("default")) d.default_value = schema["default"];
+  d.advanced = schema.value("x-advanced", false);
+  d.order = schema.at("x-order");
+  d.schema = schema;
+  return d;
+}
+
+std::vector<ParameterDefinition> read_definitions() {
+  std::vector<ParameterDefinition> list;
+  for (const auto& [name, schema] : parameter_schema().at("properties").items())
+    list.push_back(read_definition(name, schema));
+  std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.order < b.order; });
+  return list;
+}
+
+bool in_range(const ParameterDefinition& d, double value) {
+  if (!std::isfinite(value)) return false;
+  if (d.minimum && (d.exclusive_minimum ? value <= *d.minimum : value < *d.minimum)) return false;
+  return !d.maximum || value <= *d.maximum;
+}
+
+/// Reads the whole text as one number; a leading plus is no number.
+bool read_number(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+bool is_plane(std::string_view text) {
+  double values[4];
+  for (int i = 0; i < 4; ++i) {
+    const std::size_t comma = i < 3 ? text.find(',') : text.size();
+    if (comma == std::string_view::npos || !read_number(text.substr(0, comma), values[i])) return false;
+    if (!std::isfinite(values[i])) return false;
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return std::hypot(values[0], values[1], values[2]) > 0;
+}
+
+bool is_choice(const ParameterDefinition& d, const std::string& text) {
+  return std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
+}
+
+bool fits(const ParameterDefinition& d, const Json& value) {
+  switch (d.type) {
+    case ParameterType::kNumber:
+      return value.is_number() && in_range(d, value.get<double>());
+    case ParameterType::kInteger:
+      return value.is_number_integer() && in_range(d, value.get<double>());
+    case ParameterType::kBoolean:
+      return value.is_boolean();
+    case ParameterType::kChoice:
+      return value.is_string() && is_choice(d, value.get<std::string>());
+    case ParameterType::kNumberOrOff:
+      return value.is_number() ? in_range(d, value.get<double>()) : value == Json(kOff);
+    case ParameterType::kPlane:
+      return value.is_string() &&
+             (is_choice(d, value.get<std::string>()) || is_plane(value.get<std::string>()));
+  }
+  return false;
+}
+
+[[noreturn]] void refuse(const ParameterDefinition& d, const std::string& got) {
+  throw InvalidParameter(d.name, d.name + " cannot be " + (got.empty() ? "empty" : got.substr(0, 60)),
+                         "give " + d.values());
+}
+
+Json boolean_from_text(const ParameterDefinition& d, std::string_view text) {
+  if (text == "on" || text == "true" || text == "1") return true;
+  if (text == "off" || text == "false" || text == "0") return false;
+  refuse(d, std::string(text));
+}
+
+Json number_from_text(const ParameterDefinition& d, std::string_view text) {
+  double value = 0;
+  if (!read_number(text, value)) refuse(d, std::string(text));
+  return value;
+}
+
+Json integer_from_text(const ParameterDefinition& d, std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) refuse(d, std::string(text));
+  return value;
+}
+
+Json value_from_text(const ParameterDefinition& d, std::string_view text) {
+  switch (d.type) {
+    case ParameterType::kNumber:
+      return number_from_text(d, text);
+    case ParameterType::kInteger:
+      return integer_from_text(d, text);
+    case ParameterType::kBoolean:
+      return boolean_from_text(d, text);
+    case ParameterType::kNumberOrOff:
+      if (text != kOff) return number_from_text(d, text);
+      return std::string(text);
+    case ParameterType::kChoice:
+    case ParameterType::kPlane:
+      return std::string(text);
+  }
+  return nullptr;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + words[i];
+  return text;
+}
+
+std::string range_text(const ParameterDefinition& d) {
+  std::string text;
+  if (d.minimum) text += (d.exclusive_minimum ? " above " : " from ") + shortest(*d.minimum);
+  if (d.maximum) text += (!d.minimum || d.exclusive_minimum ? " up to " : " to ") + shortest(*d.maximum);
+  return text;
+}
+
+}  // namespace
+
+std::string ParameterDefinition::flag() const {
+  std::string option = "--" + name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
+std::string ParameterDefinition::values() const {
+  switch (type) {
+    case ParameterType::kNumber:
+      return "a number" + range_text(*this);
+    case ParameterType::kInteger:
+      return "a whole number" + range_text(*this);
+    case ParameterType::kBoolean:
+      return "on or off";
+    case ParameterType::kChoice:
+      return joined(choices);
+    case ParameterType::kNumberOrOff:
+      return "a number" + range_text(*this) + ", or off";
+    case ParameterType::kPlane:
+      return joined(choices) + ", or NX,NY,NZ,D";
+  }
+  return {};
+}
+
+std::string_view parameter_schema_text() {
+  return {sheetform_parameters_schema_begin,
+          static_cast<std::size_t>(sheetform_parameters_schema_end - sheetform_parameters_schema_begin)};
+}
+
+const Json& parameter_schema() {
+  static const Json schema = Json::parse(parameter_schema_text());
+  return schema;
+}
+
+const std::vector<ParameterDefinition>& parameter_definitions() {
+  static const std::vector<ParameterDefinition> list = read_definitions();
+  return list;
+}
+
+const std::vector<ParameterGroup>& parameter_groups() {
+  static const std::vector<ParameterGroup> list = [] {
+    std::vector<ParameterGroup> groups;
+    for (const Json& g : parameter_schema().at("x-groups"))
+      groups.push_back({g.at("id"), g.at("title"), g.at("text")});
+    return groups;
+  }();
+  return list;
+}
+
+const ParameterDefinition* find_parameter(std::string_view name) {
+  for (const ParameterDefinition& d : parameter_definitions())
+    if (d.name == name) return &d;
+  return nullptr;
+}
+
+Json parameter_from_text(const ParameterDefinition& definition, std::string_view text) {
+  Json value = value_from_text(definition, text);
+  if (!fits(definition, value)) refuse(definition, std::string(text));
+  return value;
+}
+
+Json complete_parameters(const Json& given) {
+  for (const auto& [name, value] : given.items()) {
+    const ParameterDefinition* d = find_parameter(name);
+    if (d == nullptr)
+      throw InvalidParameter(name.substr(0, 60), "there is no parameter " + name.substr(0, 60),
+                             "see the list of parameters; names are written with underscores");
+    if (!value.is_null() && !fits(*d, value)) refuse(*d, dump(value));
+  }
+  Json all = Json::object();
+  for (const ParameterDefinition& d : parameter_definitions()) {
+    const auto found = given.find(d.name);
+    if (found != given.end() && !found->is_null())
+      all[d.name] = *found;
+    else if (!d.default_value.is_null())
+      all[d.name] = d.default_value;
+  }
+  return all;
+}
+
+}  // namespace sheetform::api

@@ -1,0 +1,73 @@
+// The parameters of a decomposition as proto/schemas/parameters.schema.json defines them: the one definition
+// that the server, the command line, the page and the documentation are made from.
+#pragma once
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sheetform_api/json_text.h"
+
+namespace sheetform::api {
+
+enum class ParameterType {
+  kNumber,
+  kInteger,
+  kBoolean,      ///< on or off
+  kChoice,       ///< one of `choices`
+  kNumberOrOff,  ///< a number, or the text "off"
+  kPlane,        ///< one of `choices`, or the text NX,NY,NZ,D
+};
+
+struct ParameterDefinition {
+  std::string name;         ///< as on the wire, e.g. "e_max"
+  std::string title, text;  ///< for people
+  std::string unit, group;
+  ParameterType type = ParameterType::kNumber;
+  std::optional<double> minimum, maximum;
+  bool exclusive_minimum = false;
+  std::vector<std::string> choices;
+  Json default_value;  ///< null: none
+  bool advanced = false;
+  int order = 0;
+  Json schema;  ///< the property itself
+
+  std::string flag() const;    ///< on the command line, e.g. "--e-max"
+  std::string values() const;  ///< what it takes, for people, e.g. "a number above 0, at most 0.5"
+};
+
+struct ParameterGroup {
+  std::string id, title, text;
+};
+
+/// A parameter is unknown, of the wrong type or out of range.
+class InvalidParameter : public std::runtime_error {
+ public:
+  InvalidParameter(std::string name, const std::string& what, std::string fix)
+      : std::runtime_error(what), name_(std::move(name)), fix_(std::move(fix)) {}
+  const std::string& name() const { return name_; }
+  const std::string& fix() const { return fix_; }
+
+ private:
+  std::string name_, fix_;
+};
+
+/// The schema as it stands in the file.
+std::string_view parameter_schema_text();
+const Json& parameter_schema();
+/// In their order for people.
+const std::vector<ParameterDefinition>& parameter_definitions();
+const std::vector<ParameterGroup>& parameter_groups();
+/// nullptr when there is none of that name.
+const ParameterDefinition* find_parameter(std::string_view name);
+
+/// The typed value of a text, as a query or a command line gives it ("0.02", "on", "auto"); checked.
+/// Throws InvalidParameter.
+Json parameter_from_text(const ParameterDefinition& definition, std::string_view text);
+
+/// Values by name. Checks names, types and ranges, and fills in the defaults. Parameters without value and
+/// default are absent from the answer; null stands for absent. Throws InvalidParameter.
+Json complete_parameters(const Json& given);
+
+}  // namespace sheetform::api

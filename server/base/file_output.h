@@ -1,0 +1,33 @@
+// Files that are complete or absent: written beside their place, synced, renamed into it.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sheetform::server {
+
+/// A file to be written, or a finished one in memory.
+struct OutputFile {
+  std::string name, media_type;
+  std::string content;  ///< bytes
+};
+
+/// Thrown when the disk refuses; what() names file and reason.
+class FileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a whole file of at most `limit` bytes. Throws Error kUnreadableMesh (where: the path).
+std::string read_input_file(const std::filesystem::path& path, std::uint64_t limit);
+
+/// Makes the folder when needed, writes and syncs every file under a temporary name, then renames all of
+/// them. When anything fails before the renames the folder keeps what it had. Throws FileError.
+void write_files(const std::filesystem::path& folder, const std::vector<OutputFile>& files);
+
+/// Writes, syncs and closes one file with exactly this name, mode 0644. Throws FileError.
+void write_synced(const std::filesystem::path& path, const std::string& content);
+
+}  // namespace sheetform::server

@@ -1,0 +1,14 @@
+// The commands that people call. Each takes what parse_line made of the line and answers with the exit
+// status; Errors are printed by main.
+#pragma once
+#include "server/cli/command_line.h"
+
+namespace sheetform::server {
+
+CommandSpec decompose_spec();
+int decompose_command(const ParsedLine& line);
+
+CommandSpec verify_spec();
+int verify_command(const ParsedLine& line);
+
+}  // namespace sheetform::server

@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include "server/mapping/errors.h"
+#include "server/mapping/parameters.h"
+#include "server/mapping/run.h"
+
+namespace sheetform::server {
+namespace {
+
+constexpr const char* kTetrahedron =
+    "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+TEST(Mapping, SchemaDefaultsAreThoseOfCore) {
+  EXPECT_EQ(api::complete_parameters(api::Json::object()), to_wire(DecomposeParams{}));
+}
+
+TEST(Mapping, EveryParameterReachesCoreAndComesBack) {
+  const api::Json values = api::complete_parameters(api::Json::parse(
+      R"({"e_max":0.01,"e_max_mm":3,"t_junctions":false,"symmetry":"0,1,0,2.5","max_sides":4,"creases":"off",
+          "self_seams":false,"normal_deviation":12.5,"effort":"thorough","morph":"full","scale":25.4,"target_size":300,
+          "seed":7})"));
+  EXPECT_EQ(values.size(), api::parameter_definitions().size());
+  EXPECT_EQ(to_wire(to_core(values)), values);
+}
+
+TEST(Mapping, SymmetryPlaneIsMadeUnit) {
+  const DecomposeParams p = to_core(api::complete_parameters(api::Json::parse(R"({"symmetry":"0,0,2,3"})")));
+  EXPECT_EQ(p.symmetry, SymmetryMode::kPlane);
+  EXPECT_DOUBLE_EQ(p.plane.normal.z(), 1);
+  EXPECT_DOUBLE_EQ(p.plane.offset, 1.5);
+}
+
+TEST(Mapping, UnknownParametersAreRefusedByName) {
+  try {
+    (void)understood_parameters(api::Json::parse(R"({"e_maks":1})"));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kInvalidParameter);
+    EXPECT_EQ(e.where(), "e_maks");
+  }
+}
+
+TEST(Mapping, ErrorsBecomeProblems) {
+  const api::Problem p = to_problem(Error(ErrorCode::kUnreadableMesh, "broken", "line 3", "mend it"));
+  EXPECT_EQ(p.type, api::ProblemType::kUnreadableMesh);
+  EXPECT_EQ(p.detail, "broken");
+  EXPECT_EQ(p.where, "line 3");
+  EXPECT_EQ(p.fix, "mend it");
+}
+
+TEST(Mapping, ExitStatusSaysWhoIsAtFault) {
+  EXPECT_EQ(exit_status(ErrorCode::kInvalidParameter), 64);
+  EXPECT_EQ(exit_status(ErrorCode::kUnreadableMesh), 65);
+  EXPECT_EQ(exit_status(ErrorCode::kUnsupportedMesh), 65);
+  EXPECT_EQ(exit_status(ErrorCode::kLimitExceeded), 65);
+  EXPECT_EQ(exit_status(ErrorCode::kInternal), 70);
+}
+
+TEST(Inspect, SaysWhatTheMeshIs) {
+  const api::Json parameters = api::complete_parameters(api::Json::parse(R"({"target_size":60})"));
+  const api::MeshInfo info = inspect_mesh(kTetrahedron, "t.obj", parameters);
+  EXPECT_EQ(info.format, "obj");
+  EXPECT_EQ(info.vertices, 4);
+  EXPECT_EQ(info.faces, 4);
+  EXPECT_EQ(info.box_max, (std::array<double, 3>{2, 3, 6}));
+  EXPECT_DOUBLE_EQ(info.scale, 10);
+}
+
+TEST(Inspect, RefusesWhatHasNoFaces) {
+  const api::Json parameters = api::complete_parameters(api::Json::object());
+  EXPECT_THROW((void)inspect_mesh("v 0 0 0\n", "t.obj", parameters), Error);
+  EXPECT_THROW((void)inspect_mesh("", "t.obj", parameters), Error);
+}
+
+}  // namespace
+}  // namespace sheetform::server
