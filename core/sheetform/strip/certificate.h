@@ -22,7 +22,6 @@ struct Defect {
 struct DistanceReport {
   double input_to_result = 0, result_to_input = 0;  ///< largest distance found each way
   double mean = 0;                                  ///< mean of the two area-weighted one-way means
-  double upper = 0;                                 ///< certified: no point of either surface is farther than this
   double hausdorff() const { return input_to_result > result_to_input ? input_to_result : result_to_input; }
   Vector3 worst_place = Vector3::Zero();            ///< where hausdorff() is attained (point on the side it starts from)
   std::vector<double> patch_error;  ///< per patch: the largest distance found from it, or to it from the input

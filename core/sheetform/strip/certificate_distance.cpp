@@ -1,18 +1,19 @@
-// The two-sided distance: samples, vertices, and branch and bound from there.
+// The two-sided distance: samples, vertices, and a climb to the top from the farthest of them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <queue>
+#include <numeric>
 
 #include "sheetform/strip/certificate.h"
 
 namespace sheetform {
 namespace {
 
-// The search stops when nothing can be farther than the largest distance found by this fraction of the
-// diagonal.
-constexpr double kResolution = 0.8e-4;
-constexpr int kSearchBudget = 200'000;  // queries each way; bounds the time on hopeless pairs of surfaces
+// A climb ends when its step is this fraction of the diagonal: distances change by no more than the step
+// does.
+constexpr double kFinestStep = 2e-5;
+// Climbs start in the faces where the distance found is largest: one for so many samples, within bounds.
+constexpr int kSamplesForAClimb = 200, kFewestClimbs = 24, kMostClimbs = 200;
 
 /// The surface distances are measured from, in plain arrays.
 struct Surface {
@@ -77,39 +78,26 @@ std::vector<Sample> midpoint_samples(const Surface& s) {
   return out;
 }
 
-double squared_distance_to_segment(const Vector3& q, const Vector3& a, const Vector3& b) {
-  const Vector3 d = b - a;
-  const double n = d.squaredNorm();
-  return (a + (n > 0 ? std::clamp((q - a).dot(d) / n, 0.0, 1.0) : 0.0) * d - q).squaredNorm();
-}
-
-double squared_distance_to_triangle(const Vector3& q, const Vector3& a, const Vector3& b, const Vector3& c) {
-  const Vector3 n = (b - a).cross(c - a);
-  const double n2 = n.squaredNorm();
-  if (n2 > 0 && n.cross(b - a).dot(q - a) >= 0 && n.cross(c - b).dot(q - b) >= 0 &&
-      n.cross(a - c).dot(q - c) >= 0) {
-    const double h = n.dot(q - a);
-    return h * h / n2;
-  }
-  return std::min({squared_distance_to_segment(q, a, b), squared_distance_to_segment(q, b, c),
-                   squared_distance_to_segment(q, c, a)});
+// The point of a triangle with these barycentric coordinates, negative ones raised to zero.
+Vector3 clamped_point(const Vector3& a, const Vector3& b, const Vector3& c, Vector3 weights) {
+  weights = weights.cwiseMax(0.0);
+  weights /= weights.sum();
+  return weights[0] * a + weights[1] * b + weights[2] * c;
 }
 
 /// Distances from one surface to another, one way.
 class OneWay {
  public:
-  OneWay(const Surface& from, const Surface& to, const ClosestPointTree& tree, double resolution,
-         const RunContext& context)
-      : from_(from),
-        to_(to),
+  OneWay(const Surface& from, const ClosestPointTree& tree, int to_faces, const RunContext& context)
+      : from_face(from.faces.size(), 0),
+        to_face(to_faces, 0),
+        from_(from),
         tree_(tree),
-        resolution_(resolution),
         context_(context),
-        from_face(from.faces.size(), 0),
-        to_face(to.faces.size(), 0) {}
+        farthest_(from.faces.size(), Vector3::Zero()) {}
 
-  // Measures from each sample and keeps the answers in their order.
-  std::vector<ClosestPoint> measure(const std::vector<Sample>& samples) {
+  // Measures from each sample and gives the mean distance.
+  double measure(const std::vector<Sample>& samples) {
     std::vector<ClosestPoint> hits(samples.size());
     constexpr int kChunk = 512;
     const int n = static_cast<int>(samples.size());
@@ -118,119 +106,88 @@ class OneWay {
         if (samples[i].face >= 0) hits[i] = tree_.closest(samples[i].point);
     });
     context_.checkpoint();
+    double sum = 0;
     for (int i = 0; i < n; ++i)
-      if (samples[i].face >= 0) keep(samples[i].point, samples[i].face, hits[i]);
-    return hits;
+      if (samples[i].face >= 0) sum += keep(samples[i].point, samples[i].face, hits[i]);
+    return n > 0 ? sum / n : 0;
   }
 
-  // Splits the faces that can still hold a point farther than the largest distance found, until none can.
-  void search(const std::vector<ClosestPoint>& at_vertex) {
-    std::priority_queue<Piece> queue;
-    for (std::size_t f = 0; f < from_.faces.size(); ++f) {
-      Piece piece;
-      piece.face = static_cast<int>(f);
-      for (int k = 0; k < 3; ++k)
-        piece.corner[k] = from_.points[from_.faces[f][k]], piece.hit[k] = at_vertex[from_.faces[f][k]];
-      piece.bound = bound_of(piece);
-      push(queue, piece);
-    }
-    for (int spent = 0; !queue.empty() && queue.top().bound > max + resolution_ && spent < kSearchBudget;
-         ++spent) {
-      if (spent % 1024 == 0) context_.checkpoint();
-      const Piece piece = queue.top();
-      queue.pop();
-      split(piece, queue);
-    }
-    upper = std::max(max + resolution_, queue.empty() ? 0.0 : queue.top().bound);
-  }
-
- private:
-  // Part of a face with the closest points of its corners.
-  struct Piece {
-    Vector3 corner[3];
-    ClosestPoint hit[3];
-    double bound;
-    int face;
-    bool operator<(const Piece& other) const {
-      return bound != other.bound ? bound < other.bound : face > other.face;
-    }
-  };
-
-  void keep(const Vector3& point, int face, const ClosestPoint& hit) {
-    const double d = std::sqrt(hit.squared_distance);
-    from_face[face] = std::max(from_face[face], d);
-    if (hit.face >= 0) to_face[hit.face] = std::max(to_face[hit.face], d);
-    if (d > max) max = d, worst = point;
-  }
-
-  // The distance to one triangle is convex, so over the whole piece it is largest at a corner.
-  double bound_of(const Piece& piece) const {
-    double best = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-      if (piece.hit[k].face < 0 || (k > 0 && piece.hit[k].face == piece.hit[k - 1].face)) continue;
-      const auto& t = to_.faces[piece.hit[k].face];
-      double farthest = piece.hit[k].squared_distance;
-      for (int j = 0; j < 3; ++j)
-        if (j != k)
-          farthest = std::max(farthest, squared_distance_to_triangle(piece.corner[j], to_.points[t[0]],
-                                                                     to_.points[t[1]], to_.points[t[2]]));
-      best = std::min(best, farthest);
-    }
-    return std::sqrt(best);
-  }
-
-  void push(std::priority_queue<Piece>& queue, const Piece& piece) const {
-    if (piece.bound > max + resolution_) queue.push(piece);
-  }
-
-  void split(const Piece& piece, std::priority_queue<Piece>& queue) {
-    int longest = 0;
-    for (int k = 1; k < 3; ++k)
-      if (side2(piece, k) > side2(piece, longest)) longest = k;
-    const Vector3 middle = 0.5 * (piece.corner[longest] + piece.corner[(longest + 1) % 3]);
-    const ClosestPoint hit = tree_.closest(middle);
-    keep(middle, piece.face, hit);
-    for (int k : {longest, (longest + 1) % 3}) {
-      Piece half = piece;
-      half.corner[k] = middle, half.hit[k] = hit;
-      half.bound = std::min(piece.bound, bound_of(half));
-      push(queue, half);
+  // Climbs inside the faces with the largest distances from the farthest point known of each.
+  void climb_from_the_top(int samples, double spacing, double finest) {
+    std::vector<int> order(from_.faces.size());
+    std::iota(order.begin(), order.end(), 0);
+    const std::size_t climbs = std::min(
+        order.size(),
+        static_cast<std::size_t>(std::clamp(samples / kSamplesForAClimb, kFewestClimbs, kMostClimbs)));
+    std::partial_sort(
+        order.begin(), order.begin() + static_cast<std::ptrdiff_t>(climbs), order.end(),
+        [&](int a, int b) { return from_face[a] != from_face[b] ? from_face[a] > from_face[b] : a < b; });
+    for (std::size_t i = 0; i < climbs; ++i) {
+      if (i % 16 == 0) context_.checkpoint();
+      climb(order[i], spacing, finest);
     }
   }
 
-  static double side2(const Piece& p, int k) { return (p.corner[k] - p.corner[(k + 1) % 3]).squaredNorm(); }
-
-  const Surface& from_;
-  const Surface& to_;
-  const ClosestPointTree& tree_;
-  double resolution_;
-  const RunContext& context_;
-
- public:
-  double max = 0, upper = 0;
+  double max = 0;
   Vector3 worst = Vector3::Zero();
   std::vector<double> from_face, to_face;  ///< largest distance found from and to each face
+
+ private:
+  double keep(const Vector3& point, int face, const ClosestPoint& hit) {
+    const double d = std::sqrt(hit.squared_distance);
+    if (d > from_face[face]) from_face[face] = d, farthest_[face] = point;
+    if (hit.face >= 0) to_face[hit.face] = std::max(to_face[hit.face], d);
+    if (d > max) max = d, worst = point;
+    return d;
+  }
+
+  // Pattern search along the face's longest side and across it.
+  void climb(int face, double step, double finest) {
+    const auto& t = from_.faces[face];
+    const Vector3 &a = from_.points[t[0]], &b = from_.points[t[1]], &c = from_.points[t[2]];
+    Eigen::Matrix<double, 3, 2> sides;
+    sides << b - a, c - a;
+    const Eigen::Matrix2d gram = sides.transpose() * sides;
+    if (!(gram.determinant() > 0)) return;
+    const Eigen::Matrix2d inverse = gram.inverse();
+    Vector3 along = (b - a).squaredNorm() > (c - a).squaredNorm() ? b - a : c - a;
+    if ((c - b).squaredNorm() > along.squaredNorm()) along = c - b;
+    along.normalize();
+    const Vector3 across = along.cross((b - a).cross(c - a)).normalized();
+    for (; step > finest; step /= 2)
+      for (bool better = true; better;) {
+        better = false;
+        for (const Vector3& way : {along, Vector3(-along), across, Vector3(-across)}) {
+          const Eigen::Vector2d w = inverse * (sides.transpose() * (farthest_[face] + step * way - a));
+          const Vector3 trial = clamped_point(a, b, c, {1 - w.sum(), w[0], w[1]});
+          const double before = from_face[face];
+          better = keep(trial, face, tree_.closest(trial)) > before * (1 + 1e-9) || better;
+        }
+      }
+  }
+
+  const Surface& from_;
+  const ClosestPointTree& tree_;
+  const RunContext& context_;
+  std::vector<Vector3> farthest_;  ///< of each face, where from_face is attained
 };
 
-double mean_distance(const std::vector<ClosestPoint>& hits) {
-  double sum = 0;
-  for (const ClosestPoint& h : hits) sum += std::sqrt(h.squared_distance);
-  return hits.empty() ? 0 : sum / static_cast<double>(hits.size());
-}
-
 struct OneWayResult {
-  double max, upper, mean;
+  double max, mean;
   Vector3 worst;
   std::vector<double> from_face, to_face;
 };
 
-OneWayResult measure_one_way(const Surface& from, const Surface& to, const ClosestPointTree& tree,
-                             int samples, bool midpoints, double resolution, const RunContext& context) {
-  OneWay way(from, to, tree, resolution, context);
-  const double mean = mean_distance(way.measure(area_samples(from, samples)));
+OneWayResult measure_one_way(const Surface& from, const ClosestPointTree& tree, int to_faces, int samples,
+                             bool midpoints, double diagonal, const RunContext& context) {
+  OneWay way(from, tree, to_faces, context);
+  const double mean = way.measure(area_samples(from, samples));
   if (midpoints) way.measure(midpoint_samples(from));
-  way.search(way.measure(vertex_samples(from)));
-  return {way.max, way.upper, mean, way.worst, std::move(way.from_face), std::move(way.to_face)};
+  way.measure(vertex_samples(from));
+  double area = 0;
+  for (std::size_t f = 0; f < from.faces.size(); ++f) area += from.area(static_cast<int>(f));
+  way.climb_from_the_top(samples, std::sqrt(area / std::max(1, samples)), kFinestStep * diagonal);
+  return {way.max, mean, way.worst, std::move(way.from_face), std::move(way.to_face)};
 }
 
 }  // namespace
@@ -251,13 +208,13 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
   Eigen::AlignedBox3d box;
   for (const auto& f : input.faces)
     for (int v : f) box.extend(input.points[v]);
-  const double resolution = kResolution * box.diagonal().norm();
+  const double diagonal = box.diagonal().norm();
   const ClosestPointTree result_tree(result.points, faces);
   context.checkpoint();
-  const OneWayResult to = measure_one_way(in, out, result_tree, samples, false, resolution, context);
-  const OneWayResult back = measure_one_way(out, in, tree, samples, true, resolution, context);
+  const int in_faces = static_cast<int>(input.faces.size()), out_faces = static_cast<int>(faces.size());
+  const OneWayResult to = measure_one_way(in, result_tree, out_faces, samples, false, diagonal, context);
+  const OneWayResult back = measure_one_way(out, tree, in_faces, samples, true, diagonal, context);
   report.input_to_result = to.max, report.result_to_input = back.max;
-  report.upper = std::max(to.upper, back.upper);
   report.mean = (to.mean + back.mean) / 2;
   report.worst_place = to.max >= back.max ? to.worst : back.worst;
   for (std::size_t f = 0; f < faces.size(); ++f) {

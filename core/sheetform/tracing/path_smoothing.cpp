@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace sheetform {
 namespace {
 
-// A vertex that follows the paths: it goes towards the mean of `count` path neighbours.
+// A vertex that follows its paths: one path through it, or two that cross. Neighbours 0 and 1 are of the
+// first path, 2 and 3 of the second.
 struct PathVertex {
   int vertex;
-  int count;
+  int paths;
   std::array<int, 4> neighbour;
 };
 
@@ -39,28 +42,39 @@ std::vector<std::vector<int>> path_neighbours(const SurfaceMesh& mesh, const std
   return neighbours;
 }
 
+// Cosine between the ways from v to a and to b: -1 when v lies straight between them.
+double bend(const SurfaceMesh& mesh, int v, int a, int b) {
+  return (mesh.points[a] - mesh.points[v]).normalized().dot((mesh.points[b] - mesh.points[v]).normalized());
+}
+
 // The two of three path neighbours that lie most nearly opposite each other: the bar of a T.
 PathVertex bar_of(const SurfaceMesh& mesh, int v, const std::vector<int>& n) {
-  PathVertex best{v, 2, {n[0], n[1]}};
-  double straightest = 2;
-  for (int i = 0; i < 3; ++i) {
-    const int a = n[i], b = n[(i + 1) % 3];
-    const Vector3 to_a = mesh.points[a] - mesh.points[v], to_b = mesh.points[b] - mesh.points[v];
-    const double cosine = to_a.normalized().dot(to_b.normalized());
-    if (cosine < straightest) straightest = cosine, best = {v, 2, {a, b}};
+  PathVertex best{v, 1, {n[0], n[1]}};
+  for (const auto& [a, b] : {std::pair(n[1], n[2]), std::pair(n[2], n[0])})
+    if (bend(mesh, v, a, b) < bend(mesh, v, best.neighbour[0], best.neighbour[1])) best = {v, 1, {a, b}};
+  return best;
+}
+
+// Two paths through v: the straightest way to pair four neighbours.
+PathVertex crossing_of(const SurfaceMesh& mesh, int v, const std::vector<int>& n) {
+  PathVertex best{v, 2, {n[0], n[1], n[2], n[3]}};
+  double straightest = bend(mesh, v, n[0], n[1]) + bend(mesh, v, n[2], n[3]);
+  for (const auto& [mate, a, b] : {std::tuple(2, 1, 3), std::tuple(3, 1, 2)}) {
+    const double sum = bend(mesh, v, n[0], n[mate]) + bend(mesh, v, n[a], n[b]);
+    if (sum < straightest) straightest = sum, best = {v, 2, {n[0], n[mate], n[a], n[b]}};
   }
   return best;
 }
 
-// What pulls a path vertex; count 0 for one that stays.
+// What pulls a path vertex; no paths for one that stays.
 PathVertex pull_of(const SurfaceMesh& mesh, int v, const std::vector<int>& n) {
   switch (n.size()) {
     case 2:
-      return {v, 2, {n[0], n[1]}};
+      return {v, 1, {n[0], n[1]}};
     case 3:
       return bar_of(mesh, v, n);
     case 4:
-      return {v, 4, {n[0], n[1], n[2], n[3]}};
+      return crossing_of(mesh, v, n);
     default:
       return {v, 0, {}};
   }
@@ -127,7 +141,7 @@ Region find_region(const SurfaceMesh& mesh, const std::vector<char>& path_edge,
     is_path[v] = 1;
     if (fixed_vertex[v] || mesh.border_vertex[v]) continue;
     const PathVertex pull = pull_of(mesh, v, neighbours[v]);
-    if (pull.count > 0) region.on_path.push_back(pull);
+    if (pull.paths > 0) region.on_path.push_back(pull);
   }
   add_around(mesh, on_path, fixed_vertex, is_path, region.around);
   std::sort(region.around.begin(), region.around.end());
@@ -151,13 +165,28 @@ Vector3 tangential_step(const SurfaceMesh& mesh, const Region& region, int v, co
   return mesh.points[v] + damping * (way - n * n.dot(way));
 }
 
+// The middle of the two neighbours. At a crossing each path moves the vertex across itself only: if it also
+// pulled along itself, it would hold the other one back and leave a kink.
+Vector3 target_of(const SurfaceMesh& mesh, const PathVertex& p) {
+  const Vector3& at = mesh.points[p.vertex];
+  const auto middle = [&](int i) {
+    return Vector3((mesh.points[p.neighbour[i]] + mesh.points[p.neighbour[i + 1]]) / 2);
+  };
+  if (p.paths == 1) return middle(0);
+  Vector3 target = at;
+  for (int i : {0, 2}) {
+    const Vector3 along = (mesh.points[p.neighbour[i + 1]] - mesh.points[p.neighbour[i]]).normalized();
+    const Vector3 way = middle(i) - at;
+    target += way - along * along.dot(way);
+  }
+  return target;
+}
+
 void step_paths(SurfaceMesh& mesh, const Region& region, double damping) {
   std::vector<Vector3> moved;
   moved.reserve(region.on_path.size());
   for (const PathVertex& p : region.on_path) {
-    Vector3 sum = Vector3::Zero();
-    for (int i = 0; i < p.count; ++i) sum += mesh.points[p.neighbour[i]];
-    moved.push_back(tangential_step(mesh, region, p.vertex, sum / p.count, damping));
+    moved.push_back(tangential_step(mesh, region, p.vertex, target_of(mesh, p), damping));
   }
   for (std::size_t i = 0; i < moved.size(); ++i) mesh.points[region.on_path[i].vertex] = moved[i];
 }

@@ -1,0 +1,280 @@
+#include "sheetform/layout/layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace sheetform {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+std::uint64_t mix(std::uint64_t h, std::uint64_t x) {
+  h ^= x + 0x9e3779b97f4a7c15ull + (h << 6) + (h >> 2);
+  h *= 0xff51afd7ed558ccdull;
+  return h ^ (h >> 32);
+}
+
+// Angle of the surface at each vertex.
+std::vector<double> vertex_angles(const SurfaceMesh& mesh) {
+  std::vector<double> angle(mesh.points.size(), 0);
+  for (const auto& t : mesh.faces)
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 a = mesh.points[t[(k + 1) % 3]] - mesh.points[t[k]];
+      const Vector3 b = mesh.points[t[(k + 2) % 3]] - mesh.points[t[k]];
+      angle[t[k]] += std::atan2(a.cross(b).norm(), a.dot(b));
+    }
+  return angle;
+}
+
+class Extractor {
+ public:
+  Extractor(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
+            const LayoutRules& rules)
+      : mesh_(mesh), net_(network), versions_(versions), rules_(rules) {}
+
+  PatchLayout run() {
+    mark_nodes();
+    flood();
+    chain_arches();
+    walk_boundaries();
+    for (Patch& patch : out_.patches) judge(patch);
+    return std::move(out_);
+  }
+
+ private:
+  void mark_nodes() {
+    out_.node.assign(mesh_.points.size(), 0);
+    for (int v = 0; v < mesh_.vertex_count(); ++v) {
+      int degree = 0, first = -1;
+      bool differ = false;
+      for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e) {
+        const int path = net_.edge_path[*e];
+        if (path == PathNetwork::kFree) continue;
+        if (degree++ == 0) first = path;
+        differ |= path != first;
+      }
+      out_.node[v] = degree > 0 && (degree != 2 || differ || net_.pinned_node[v]);
+    }
+  }
+
+  void flood() {
+    out_.face_patch.assign(mesh_.faces.size(), -1);
+    std::vector<int> stack;
+    for (int seed = 0; seed < mesh_.face_count(); ++seed) {
+      if (out_.face_patch[seed] >= 0) continue;
+      const int id = static_cast<int>(out_.patches.size());
+      out_.patches.emplace_back();
+      Patch& patch = out_.patches.back();
+      stack.assign(1, seed);
+      out_.face_patch[seed] = id;
+      while (!stack.empty()) {
+        const int f = stack.back();
+        stack.pop_back();
+        patch.faces.push_back(f);
+        for (int e : mesh_.face_edges[f]) {
+          if (net_.used(e)) continue;
+          const int g = mesh_.edges[e].other_face(f);
+          if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
+        }
+      }
+      std::sort(patch.faces.begin(), patch.faces.end());
+      for (int f : patch.faces) patch.area += mesh_.face_normal_raw(f).norm() / 2;
+    }
+  }
+
+  int next_edge(int v, int from) const {
+    for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e)
+      if (*e != from && net_.used(*e)) return *e;
+    return -1;
+  }
+
+  // The face on the left of the directed edge a -> b, -1 outside.
+  int left_face(int e, int a) const {
+    const auto& edge = mesh_.edges[e];
+    for (int f : {edge.f0, edge.f1}) {
+      if (f < 0) continue;
+      for (int k = 0; k < 3; ++k)
+        if (mesh_.face_edges[f][k] == e && mesh_.faces[f][k] == a) return f;
+    }
+    return -1;
+  }
+
+  void trace_arch(int v, int e) {
+    const int id = static_cast<int>(out_.arches.size());
+    out_.arches.emplace_back();
+    Arch& arch = out_.arches.back();
+    arch.path = net_.edge_path[e];
+    const int start = v;
+    arch.vertices.push_back(v);
+    const int lf = left_face(e, v), rf = left_face(e, mesh_.edges[e].other(v));
+    arch.left = lf < 0 ? -1 : out_.face_patch[lf];
+    arch.right = rf < 0 ? -1 : out_.face_patch[rf];
+    while (e >= 0) {
+      out_.edge_arch[e] = id;
+      arch.edges.push_back(e);
+      arch.length += mesh_.edge_length(e);
+      v = mesh_.edges[e].other(v);
+      arch.vertices.push_back(v);
+      if (v == start || out_.node[v]) break;
+      e = next_edge(v, e);
+    }
+    for (int w : arch.vertices) arch.key = mix(arch.key, (static_cast<std::uint64_t>(w) << 32) ^ static_cast<unsigned>(versions_[w]));
+  }
+
+  void chain_arches() {
+    out_.edge_arch.assign(mesh_.edges.size(), -1);
+    for (int v = 0; v < mesh_.vertex_count(); ++v) {
+      if (!out_.node[v]) continue;
+      for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e)
+        if (net_.used(*e) && out_.edge_arch[*e] < 0) trace_arch(v, *e);
+    }
+    for (int e = 0; e < mesh_.edge_count(); ++e)  // closed arches without a node
+      if (net_.used(e) && out_.edge_arch[e] < 0) trace_arch(mesh_.edges[e].v0, e);
+  }
+
+  // The next boundary half-edge after corner k of f, turning inside the patch.
+  std::pair<int, int> successor(int f, int k) const {
+    const int v = mesh_.faces[f][(k + 1) % 3];
+    k = (k + 1) % 3;
+    while (!net_.used(mesh_.face_edges[f][k])) {
+      f = mesh_.edges[mesh_.face_edges[f][k]].other_face(f);
+      for (k = 0; mesh_.faces[f][k] != v;) ++k;
+    }
+    return {f, k};
+  }
+
+  // Cyclic sequence of arch uses of the loop through half-edge (f, k).
+  std::vector<ArchUse> walk_loop(int f, int k) {
+    std::vector<ArchUse> uses;
+    const int f0 = f, k0 = k;
+    do {
+      seen_[3 * f + k] = 1;
+      const int arch = out_.edge_arch[mesh_.face_edges[f][k]];
+      const int v = mesh_.faces[f][k];
+      // A new arch begins at a node, or at the seam of a closed arch.
+      if (uses.empty() || out_.node[v]) uses.push_back({arch, is_forward(arch, mesh_.face_edges[f][k], v)});
+      std::tie(f, k) = successor(f, k);
+    } while (f != f0 || k != k0);
+    return uses;
+  }
+
+  bool is_forward(int arch, int edge, int from) const {
+    const Arch& a = out_.arches[arch];
+    if (a.edges.size() == 1) return a.vertices[0] == from;
+    for (std::size_t i = 0; i < a.edges.size(); ++i)
+      if (a.edges[i] == edge) return a.vertices[i] == from;
+    return true;
+  }
+
+  void walk_boundaries() {
+    seen_.assign(3 * mesh_.faces.size(), 0);
+    for (Patch& patch : out_.patches)
+      for (int f : patch.faces)
+        for (int k = 0; k < 3; ++k) {
+          if (seen_[3 * f + k] || !net_.used(mesh_.face_edges[f][k])) continue;
+          // Start at a node, so that no arch is entered in its middle.
+          auto [g, j] = std::pair{f, k};
+          while (!out_.node[mesh_.faces[g][j]]) {
+            std::tie(g, j) = successor(g, j);
+            if (g == f && j == k) break;
+          }
+          auto uses = walk_loop(g, j);
+          if (patch.loops++ == 0) patch.boundary = std::move(uses);
+        }
+  }
+
+  int euler(const Patch& patch) {
+    // Of the patch cut open: inner vertices - inner edges + faces (boundary vertices and edges cancel).
+    int twice_edges = 0, vertices = 0;
+    const int id = out_.face_patch[patch.faces.front()];
+    for (int f : patch.faces)
+      for (int k = 0; k < 3; ++k) {
+        twice_edges += !net_.used(mesh_.face_edges[f][k]);
+        const int v = mesh_.faces[f][k];
+        if (stamp(v) == id + 1) continue;
+        stamp(v) = id + 1;
+        vertices += network_degree(mesh_, net_, v) == 0;
+      }
+    return vertices - twice_edges / 2 + static_cast<int>(patch.faces.size());
+  }
+
+  int& stamp(int v) {
+    if (stamps_.empty()) stamps_.assign(mesh_.points.size(), 0);
+    return stamps_[v];
+  }
+
+  void judge(Patch& patch) {
+    const bool disk = patch.loops == 1 && euler(patch) == 1;
+    patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
+    patch.key = mix(patch.faces.size(), static_cast<std::uint64_t>(patch.loops));
+    for (const ArchUse& use : patch.boundary) patch.key = mix(patch.key, out_.arches[use.arch].key * 2 + use.forward);
+  }
+
+  // A patch may meet itself along a seam, never at a single vertex.
+  TopologyDefect contact(const Patch& patch) {
+    bool seam = false;
+    std::vector<int> visits;
+    for (const ArchUse& use : patch.boundary) {
+      const Arch& a = out_.arches[use.arch];
+      const bool self = a.left == a.right;
+      seam |= self;
+      if (a.closed() && self) return TopologyDefect::kNotADisk;
+      const int first = use.forward ? a.vertices.front() : a.vertices.back();
+      visits.push_back(first);
+      if (self)
+        for (int end : {a.vertices.front(), a.vertices.back()})
+          if (network_degree(mesh_, net_, end) == 1) return TopologyDefect::kDangling;
+    }
+    if (seam && !rules_.self_seams) return TopologyDefect::kSelfSeam;
+    std::sort(visits.begin(), visits.end());
+    for (std::size_t i = 0; i + 1 < visits.size(); ++i)
+      if (visits[i] == visits[i + 1] && !on_self_seam(patch, visits[i])) return TopologyDefect::kTouchesItself;
+    return TopologyDefect::kNone;
+  }
+
+  bool on_self_seam(const Patch& patch, int v) const {
+    for (const ArchUse& use : patch.boundary) {
+      const Arch& a = out_.arches[use.arch];
+      if (a.left == a.right && (a.vertices.front() == v || a.vertices.back() == v)) return true;
+    }
+    return false;
+  }
+
+  const SurfaceMesh& mesh_;
+  const PathNetwork& net_;
+  const std::vector<int>& versions_;
+  const LayoutRules& rules_;
+  PatchLayout out_;
+  std::vector<char> seen_;
+  std::vector<int> stamps_;
+};
+
+}  // namespace
+
+PathNetwork bare_network(const SurfaceMesh& mesh) {
+  PathNetwork network;
+  network.add_path(PathKind::kBorder);
+  network.edge_path.assign(mesh.edges.size(), PathNetwork::kFree);
+  network.pinned_node.assign(mesh.points.size(), 0);
+  for (int e = 0; e < mesh.edge_count(); ++e)
+    if (mesh.edges[e].border()) network.edge_path[e] = 0;
+  const std::vector<double> angles = vertex_angles(mesh);
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    network.pinned_node[v] = mesh.border_vertex[v] && (angles[v] < 126 * kDegree || angles[v] > 243 * kDegree);
+  return network;
+}
+
+int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
+  int degree = 0;
+  for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) degree += network.used(*e);
+  return degree;
+}
+
+PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
+                           const LayoutRules& rules) {
+  return Extractor(mesh, network, versions, rules).run();
+}
+
+}  // namespace sheetform

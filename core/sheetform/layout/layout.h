@@ -1,0 +1,83 @@
+// The network of paths on the mesh, and the layout it induces: nodes, arches, patches (paper 3.3, "topological conditions").
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "sheetform/mesh/surface_mesh.h"
+
+namespace sheetform {
+
+/// Where a path comes from; decides what may be removed.
+enum class PathKind : char {
+  kBorder,  ///< the surface's border: always there
+  kCrease,  ///< sharp edges: arches from the start, removed last
+  kTraced,  ///< field-aligned loop or border-to-border path
+  kCut,     ///< a split of one patch: ends on other paths (T-junctions)
+  kSymmetry ///< on the symmetry plane
+};
+
+/// Which path runs along each mesh edge. Path 0 is the surface's border.
+struct PathNetwork {
+  static constexpr int kFree = -1;
+  std::vector<int> edge_path;   ///< per mesh edge: path id or kFree
+  std::vector<PathKind> kinds;  ///< per path id
+  std::vector<char> pinned_node;  ///< per vertex: always a node (corners of the surface's border and of creases)
+
+  int add_path(PathKind kind) {
+    kinds.push_back(kind);
+    return static_cast<int>(kinds.size()) - 1;
+  }
+  bool used(int edge) const { return edge_path[edge] != kFree; }
+};
+
+/// The network of a bare mesh: border edges are path 0; border vertices with an interior angle outside
+/// [126, 243] degrees are pinned (experiments.md, pitfall 7).
+PathNetwork bare_network(const SurfaceMesh& mesh);
+
+/// Number of network edges at a vertex.
+int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v);
+
+struct Arch {
+  std::vector<int> vertices;  ///< mesh vertices from node to node; a closed arch repeats its first
+  std::vector<int> edges;
+  int path = -1;
+  int left = -1, right = -1;  ///< patches on both sides of the walk; -1 outside the surface
+  double length = 0;
+  std::uint64_t key = 0;      ///< of its geometry: same key = same vertices at the same versions
+  bool closed() const { return vertices.front() == vertices.back(); }
+};
+
+struct ArchUse {
+  int arch;
+  bool forward;  ///< the patch lies on the left of the walk
+};
+
+enum class TopologyDefect : char { kNone, kNotADisk, kTouchesItself, kSelfSeam, kDangling };
+
+struct Patch {
+  std::vector<int> faces;         ///< ascending
+  std::vector<ArchUse> boundary;  ///< the loop of arches, counter-clockwise (of the first loop when it is no disk)
+  int loops = 0;
+  TopologyDefect defect = TopologyDefect::kNone;
+  double area = 0;
+  std::uint64_t key = 0;          ///< equal keys = same patch, same boundary, same vertex versions
+};
+
+struct PatchLayout {
+  std::vector<int> face_patch;
+  std::vector<Patch> patches;
+  std::vector<Arch> arches;
+  std::vector<int> edge_arch;  ///< per mesh edge, -1 if none
+  std::vector<char> node;      ///< per vertex
+};
+
+struct LayoutRules {
+  bool self_seams = true;  ///< a patch may be glued to itself along an arch
+};
+
+/// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex, changes when
+/// the vertex has moved. O(faces).
+PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
+                           const LayoutRules& rules);
+
+}  // namespace sheetform

@@ -1,0 +1,342 @@
+#include "sheetform/mesh/mesh_repair.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "sheetform/base/error.h"
+#include "sheetform/mesh/gluing.h"
+#include "sheetform/mesh/weld.h"
+
+namespace sheetform {
+namespace {
+
+using gluing::Gluing;
+
+constexpr double kNear = 1e-9;        // of the diagonal: points that are meant to be one
+constexpr double kLeastArea = 1e-10;  // of the squared diagonal
+
+// The soup while it is repaired, with what is known about where its parts come from.
+struct Work {
+  TriangleSoup soup;
+  std::vector<int> face_origin, point_origin;
+  std::vector<AuditFinding> findings;
+
+  void note(const std::string& kind, std::size_t count, const std::string& text, const Vector3& place) {
+    if (count > 0)
+      findings.push_back({kind, static_cast<int>(count), std::to_string(count) + " " + text, place});
+  }
+};
+
+Vector3 side_middle(const TriangleSoup& soup, int side) {
+  const auto& t = soup.faces[side / 3];
+  return (soup.points[t[side % 3]] + soup.points[t[(side % 3 + 1) % 3]]) / 2;
+}
+
+Work start(const TriangleSoup& soup) {
+  Work work;
+  work.soup = soup;
+  work.face_origin.resize(soup.faces.size());
+  work.point_origin.resize(soup.points.size());
+  std::iota(work.face_origin.begin(), work.face_origin.end(), 0);
+  std::iota(work.point_origin.begin(), work.point_origin.end(), 0);
+  return work;
+}
+
+void drop_unused(Work& work) {
+  std::vector<int> id(work.soup.points.size(), -1);
+  for (const auto& f : work.soup.faces)
+    for (int v : f) id[v] = 0;
+  int count = 0, first = -1;
+  for (std::size_t i = 0; i < id.size(); ++i) {
+    if (id[i] < 0) {
+      if (first < 0) first = static_cast<int>(i);
+      continue;
+    }
+    id[i] = count;
+    work.point_origin[count++] = work.point_origin[i];
+  }
+  if (first < 0) return;
+  work.note("unused-vertex", work.soup.points.size() - static_cast<std::size_t>(count),
+            "vertices without a face were left out", work.soup.points[first]);
+  for (std::size_t i = 0; i < id.size(); ++i)
+    if (id[i] >= 0) work.soup.points[id[i]] = work.soup.points[i];
+  work.soup.points.resize(count);
+  work.point_origin.resize(count);
+  for (auto& f : work.soup.faces)
+    for (int& v : f) v = id[v];
+}
+
+void merge(Work& work, const std::vector<int>& classes, const char* text) {
+  std::size_t first = 0;  // point that has an equal one before it
+  int count = 0;
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (classes[i] == count)
+      work.point_origin[count++] = work.point_origin[i];
+    else if (first == 0)
+      first = i;
+  }
+  work.note("duplicate-vertex", classes.size() - static_cast<std::size_t>(count), text,
+            work.soup.points.empty() ? Vector3(0, 0, 0) : work.soup.points[first]);
+  work.point_origin.resize(count);
+  merge_classes(classes, work.soup.points, work.soup.faces);
+}
+
+// Keeps the faces for which keep(f) holds.
+template <class Keep>
+void filter_faces(Work& work, const char* kind, const char* text, const Keep& keep) {
+  std::size_t kept = 0;
+  Vector3 place = Vector3::Zero();
+  const std::size_t before = work.soup.faces.size();
+  for (std::size_t f = 0; f < before; ++f) {
+    if (!keep(f)) {
+      if (kept == f) place = work.soup.points[work.soup.faces[f][0]];
+      continue;
+    }
+    work.soup.faces[kept] = work.soup.faces[f];
+    work.face_origin[kept++] = work.face_origin[f];
+  }
+  work.soup.faces.resize(kept);
+  work.face_origin.resize(kept);
+  work.note(kind, before - kept, text, place);
+}
+
+void drop_collapsed(Work& work) {
+  filter_faces(work, "degenerate-face", "faces with less than three different vertices were left out",
+               [&](std::size_t f) {
+                 const auto& t = work.soup.faces[f];
+                 return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+               });
+}
+
+void drop_duplicates(Work& work) {
+  const auto& faces = work.soup.faces;
+  std::vector<std::array<int, 4>> keys(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    std::array<int, 3> t = faces[f];
+    std::sort(t.begin(), t.end());
+    keys[f] = {t[0], t[1], t[2], static_cast<int>(f)};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<char> again(faces.size(), 0);
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin())) again[keys[i][3]] = 1;
+  filter_faces(work, "duplicate-face", "faces on the same vertices as another one were left out",
+               [&](std::size_t f) { return !again[f]; });
+}
+
+// Every side has at most one partner of opposite direction, every vertex one fan.
+bool is_clean(const TriangleSoup& soup, const Gluing& g) {
+  if (!g.crowded.empty()) return false;
+  for (int s = 0; s < static_cast<int>(g.partner.size()); ++s)
+    if (g.partner[s] >= 0 && soup.faces[s / 3][s % 3] == soup.faces[g.partner[s] / 3][g.partner[s] % 3])
+      return false;
+  std::vector<int> origin;
+  gluing::fan_vertices(soup, g, origin);
+  return origin.size() == soup.points.size();
+}
+
+void note_topology(Work& work, const Gluing& g) {
+  const TriangleSoup& soup = work.soup;
+  auto place = [&](const std::vector<int>& sides) {
+    return sides.empty() ? Vector3(0, 0, 0) : side_middle(soup, sides[0]);
+  };
+  work.note("non-manifold-edge", g.crowded.size(), "edges with more than two faces were cut open",
+            place(g.crowded));
+  const auto turned = std::find(g.turned.begin(), g.turned.end(), 1) - g.turned.begin();
+  work.note("opposite-orientation", static_cast<std::size_t>(std::count(g.turned.begin(), g.turned.end(), 1)),
+            "faces were turned over to match the majority of their component",
+            turned < static_cast<std::ptrdiff_t>(g.turned.size()) ? soup.points[soup.faces[turned][0]]
+                                                                  : Vector3(0, 0, 0));
+  work.note("non-orientable", static_cast<std::size_t>(g.one_sided_components),
+            "components with a single side (as a Moebius strip) were cut open along " +
+                std::to_string(g.cut.size()) + " edges",
+            place(g.cut));
+}
+
+// Vertices that fall apart though no edge at them was cut.
+void note_bow_ties(Work& work, const Gluing& g, const std::vector<int>& origin) {
+  std::vector<char> at_cut(work.soup.points.size(), 0);
+  for (const auto* sides : {&g.crowded, &g.cut})
+    for (int s : *sides)
+      for (int k = 0; k < 2; ++k) at_cut[work.soup.faces[s / 3][(s % 3 + k) % 3]] = 1;
+  int count = 0, first = -1;
+  for (std::size_t i = 1; i < origin.size(); ++i)
+    if (origin[i] == origin[i - 1] && !at_cut[origin[i]] && (i == 1 || origin[i - 2] != origin[i])) {
+      ++count;
+      if (first < 0) first = origin[i];
+    }
+  work.note("bow-tie-vertex", static_cast<std::size_t>(count),
+            "vertices where parts touch in a point were split",
+            first < 0 ? Vector3(0, 0, 0) : work.soup.points[first]);
+}
+
+// New points in the middle of sides: needed where two edges that are no longer one still join the same
+// vertices.
+struct Middles {
+  std::vector<int> of_side;
+  void add(Work& work, const Gluing& g, int side, std::vector<Vector3>& points, std::vector<int>& origin) {
+    of_side[side] = static_cast<int>(points.size());
+    if (g.partner[side] >= 0) of_side[g.partner[side]] = of_side[side];
+    points.push_back(side_middle(work.soup, side));
+    origin.push_back(-1);
+  }
+};
+
+Middles split_double_edges(Work& work, const Gluing& g, const std::vector<int>& vertex,
+                           std::vector<Vector3>& points, std::vector<int>& origin) {
+  Middles middles{std::vector<int>(g.partner.size(), -1)};
+  std::vector<std::tuple<int, int, int>> edges;  // once for each edge as glued
+  for (int s = 0; s < static_cast<int>(g.partner.size()); ++s) {
+    if (g.partner[s] >= 0 && g.partner[s] < s) continue;
+    const auto [lo, hi] = std::minmax({vertex[s], vertex[s - s % 3 + (s % 3 + 1) % 3]});
+    edges.emplace_back(lo, hi, s);
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const auto& [lo, hi, side] = edges[i];
+    if (lo == std::get<0>(edges[i - 1]) && hi == std::get<1>(edges[i - 1]))
+      middles.add(work, g, side, points, origin);
+  }
+  return middles;
+}
+
+// One face with up to three middles on its sides, as one to four faces.
+std::vector<std::array<int, 3>> pieces(std::array<int, 3> v, std::array<int, 3> m) {
+  const int count = (m[0] >= 0) + (m[1] >= 0) + (m[2] >= 0);
+  if (count == 0) return {v};
+  if (count == 3) return {{v[0], m[0], m[2]}, {m[0], v[1], m[1]}, {m[1], v[2], m[2]}, {m[0], m[1], m[2]}};
+  // Turn the face so that the first side has a middle and, of two, the second one has the other.
+  while (m[0] < 0 || (count == 2 && m[1] < 0)) {
+    std::rotate(v.begin(), v.begin() + 1, v.end());
+    std::rotate(m.begin(), m.begin() + 1, m.end());
+  }
+  if (count == 1) return {{m[0], v[1], v[2]}, {m[0], v[2], v[0]}};
+  return {{m[0], v[1], m[1]}, {v[0], m[0], m[1]}, {v[0], m[1], v[2]}};
+}
+
+RepairResult assembled(Work& work, const Gluing& g) {
+  RepairResult result;
+  std::vector<int> origin;
+  const std::vector<int> vertex = gluing::fan_vertices(work.soup, g, origin);
+  note_bow_ties(work, g, origin);
+  std::vector<Vector3> points;
+  for (int v : origin) points.push_back(work.soup.points[v]);
+  const Middles middles = split_double_edges(work, g, vertex, points, origin);
+  std::vector<std::array<int, 3>> faces;
+  for (int f = 0; f < static_cast<int>(work.soup.faces.size()); ++f) {
+    const int s = 3 * f;
+    for (auto piece : pieces({vertex[s], vertex[s + 1], vertex[s + 2]},
+                             {middles.of_side[s], middles.of_side[s + 1], middles.of_side[s + 2]})) {
+      if (g.turned[f]) std::swap(piece[1], piece[2]);
+      faces.push_back(piece);
+      result.face_origin.push_back(work.face_origin[f]);
+    }
+  }
+  for (int v : origin) result.vertex_origin.push_back(v < 0 ? -1 : work.point_origin[v]);
+  result.mesh = build_surface_mesh(std::move(points), std::move(faces));
+  return result;
+}
+
+// Sum of the signed volumes of the tetrahedra from a point of the component; per component.
+std::vector<double> component_volumes(const SurfaceMesh& mesh, const std::vector<int>& component, int count) {
+  std::vector<double> volume(count, 0);
+  std::vector<int> base(count, -1);
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    int& b = base[component[f]];
+    if (b < 0) b = mesh.faces[f][0];
+    const Vector3& o = mesh.points[b];
+    const auto& t = mesh.faces[f];
+    volume[component[f]] +=
+        (mesh.points[t[0]] - o).dot((mesh.points[t[1]] - o).cross(mesh.points[t[2]] - o)) / 6;
+  }
+  return volume;
+}
+
+void note_inside_out(Work& work, const SurfaceMesh& mesh, const std::vector<int>& component, int count) {
+  std::vector<char> open(count, 0);
+  for (const auto& e : mesh.edges)
+    if (e.border()) open[component[e.f0]] = 1;
+  const std::vector<double> volume = component_volumes(mesh, component, count);
+  std::size_t inward = 0;
+  Vector3 place = Vector3::Zero();
+  for (int f = mesh.face_count() - 1; f >= 0; --f)
+    if (!open[component[f]] && volume[component[f]] < 0) place = mesh.points[mesh.faces[f][0]];
+  for (int c = 0; c < count; ++c) inward += !open[c] && volume[c] < 0;
+  work.note("inside-out", inward, "closed components point inward; their orientation was kept", place);
+}
+
+void note_flat(Work& work, const SurfaceMesh& mesh, double diagonal) {
+  std::size_t flat = 0;
+  Vector3 place = Vector3::Zero();
+  for (int f = mesh.face_count() - 1; f >= 0; --f)
+    if (!(mesh.face_normal_raw(f).norm() > 1e-14 * diagonal * diagonal))
+      ++flat, place = mesh.points[mesh.faces[f][0]];
+  work.note("zero-area-face", flat, "faces have no area; they were kept, remeshing removes them", place);
+}
+
+void fill_audit(const TriangleSoup& soup, Work& work, RepairResult& result) {
+  const SurfaceMesh& mesh = result.mesh;
+  const auto [component, count] = face_components(mesh);
+  note_inside_out(work, mesh, component, count);
+  note_flat(work, mesh, bounding_box_diagonal(mesh.points));
+  result.audit.vertices = static_cast<int>(soup.points.size());
+  result.audit.faces = static_cast<int>(soup.faces.size());
+  result.audit.components = count;
+  result.audit.border_loops = count_border_loops(mesh);
+  result.audit.euler = mesh.vertex_count() - mesh.edge_count() + mesh.face_count();
+  result.audit.findings = std::move(work.findings);
+}
+
+[[noreturn]] void nothing_left(const std::string& what) {
+  throw Error(ErrorCode::kUnsupportedMesh, what, {}, "give a surface of triangles or polygons with an area");
+}
+
+}  // namespace
+
+RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
+  if (soup.faces.empty()) nothing_left("the mesh has no faces");
+  Work work = start(soup);
+  drop_unused(work);
+  merge(work, exact_classes(work.soup.points), "vertices at the place of another one were merged");
+  drop_collapsed(work);
+  context.checkpoint();
+  Gluing g = gluing::glue(work.soup);
+  drop_unused(work);
+  if (!is_clean(work.soup, g)) {
+    const double near = kNear * bounding_box_diagonal(work.soup.points);
+    merge(work, near_classes(work.soup.points, near),
+          "vertices nearer than 1e-9 of the diagonal to another one were merged");
+    drop_collapsed(work);
+    drop_duplicates(work);
+    drop_unused(work);
+    context.checkpoint();
+    g = gluing::glue(work.soup);
+    gluing::orient(work.soup, g);
+    note_topology(work, g);
+  }
+  if (work.soup.faces.empty()) nothing_left("no face of the mesh has three different corners");
+  context.checkpoint();
+  RepairResult result = assembled(work, g);
+  const double diagonal = bounding_box_diagonal(result.mesh.points);
+  if (!(surface_area(result.mesh) > kLeastArea * diagonal * diagonal))
+    nothing_left("all faces of the mesh together have no area");
+  fill_audit(soup, work, result);
+  return result;
+}
+
+int count_border_loops(const SurfaceMesh& mesh) {
+  std::vector<char> seen(mesh.points.size(), 0);
+  int loops = 0;
+  for (int start_at = 0; start_at < mesh.vertex_count(); ++start_at) {
+    if (!mesh.border_vertex[start_at] || seen[start_at]) continue;
+    ++loops;
+    for (int v = start_at; !seen[v];) {
+      seen[v] = 1;  // the first edge of the ring leads along the border
+      v = mesh.edges[*mesh.ring_begin_of(v)].other(v);
+    }
+  }
+  return loops;
+}
+
+}  // namespace sheetform

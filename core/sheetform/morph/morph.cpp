@@ -1,0 +1,112 @@
+#include "sheetform/morph/morph.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace sheetform {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// Normal equations with a fixed pattern: assembled into the same slots in every round.
+class NormalEquations {
+ public:
+  NormalEquations(const MorphProblem& problem, const MorphParams& params)
+      : problem_(problem), params_(params), n_(static_cast<int>(problem.rest.size())) {
+    double total = 0;
+    for (const MorphSample& s : problem.samples) total += s.weight;
+    unit_ = std::max(total, 1e-12) / std::max(n_, 1);
+  }
+
+  std::vector<Vector3> solve(const std::vector<double>& weight, const std::vector<Vector3>& target) {
+    triplets_.clear();
+    rhs_ = Eigen::MatrixX3d::Zero(n_, 3);
+    for (std::size_t s = 0; s < problem_.samples.size(); ++s)
+      if (weight[s] > 0) add_sample(problem_.samples[s], weight[s], target[s]);
+    for (const auto& t : problem_.stencils) add_stencil(t, params_.smooth * unit_, true);
+    if (params_.bend > 0)
+      for (const auto& t : problem_.bends) add_stencil(t, params_.bend * unit_, false);
+    for (int i = 0; i < n_; ++i) {
+      const double w = problem_.anchor[i] * unit_;
+      triplets_.emplace_back(i, i, w);
+      rhs_.row(i) += w * problem_.rest[i].transpose();
+    }
+    Sparse matrix(n_, n_);
+    matrix.setFromTriplets(triplets_.begin(), triplets_.end());
+    if (!analysed_) solver_.analyzePattern(matrix);
+    analysed_ = true;
+    solver_.factorize(matrix);
+    const Eigen::MatrixX3d x = solver_.solve(rhs_);
+    std::vector<Vector3> position(n_);
+    for (int i = 0; i < n_; ++i) position[i] = x.row(i);
+    return position;
+  }
+
+ private:
+  void add(int i, int j, double v) {
+    if (i >= j) triplets_.emplace_back(i, j, v);
+  }
+  void add_sample(const MorphSample& s, double w, const Vector3& target) {
+    for (int a = 0; a < 3; ++a) {
+      if (s.coefficient[a] == 0) continue;
+      const double wa = w * s.coefficient[a];
+      rhs_.row(s.unknown[a]) += wa * target.transpose();
+      for (int b = 0; b < 3; ++b)
+        if (s.coefficient[b] != 0) add(s.unknown[a], s.unknown[b], wa * s.coefficient[b]);
+    }
+  }
+  void add_stencil(const std::array<int, 3>& t, double w, bool relative) {
+    constexpr std::array<double, 3> c{0.5, -1, 0.5};
+    Vector3 value = Vector3::Zero();
+    if (relative)
+      for (int a = 0; a < 3; ++a) value += c[a] * problem_.rest[t[a]];
+    for (int a = 0; a < 3; ++a) {
+      rhs_.row(t[a]) += w * c[a] * value.transpose();
+      for (int b = 0; b < 3; ++b) add(t[a], t[b], w * c[a] * c[b]);
+    }
+  }
+
+  const MorphProblem& problem_;
+  const MorphParams& params_;
+  int n_;
+  double unit_ = 1;
+  bool analysed_ = false;
+  std::vector<Eigen::Triplet<double>> triplets_;
+  Eigen::MatrixX3d rhs_;
+  Eigen::SimplicialLDLT<Sparse> solver_;
+};
+
+}  // namespace
+
+MorphResult morph(const MorphProblem& problem, const MorphParams& params) {
+  NormalEquations equations(problem, params);
+  const std::size_t n = problem.samples.size();
+  std::vector<double> weight(n), error(n, 0);
+  std::vector<Vector3> target(n);
+  for (std::size_t s = 0; s < n; ++s) weight[s] = problem.samples[s].weight, target[s] = problem.samples[s].target;
+  MorphResult best;
+  for (int round = 0; round <= params.rounds; ++round) {
+    std::vector<Vector3> x = equations.solve(weight, target);
+    double worst = 0, mean = 0, total = 0;
+    for (std::size_t s = 0; s < n; ++s) {
+      const MorphSample& sample = problem.samples[s];
+      if (sample.weight <= 0) continue;
+      const Vector3 offset = sample.at(x) - sample.target;
+      const Vector3 tangential = offset - sample.normal * sample.normal.dot(offset);
+      error[s] = (offset - params.slide * tangential).norm();
+      target[s] = sample.target + params.slide * tangential;
+      worst = std::max(worst, error[s]);
+      mean += weight[s] * error[s], total += weight[s];
+    }
+    if (round == 0 || worst < best.max_error) best.position = std::move(x), best.max_error = worst;
+    if (worst <= params.stop_below || total <= 0 || mean <= 0) break;
+    mean /= total;
+    for (std::size_t s = 0; s < n; ++s)
+      if (problem.samples[s].weight > 0)
+        weight[s] = std::max(weight[s] * error[s] / mean, 0.02 * problem.samples[s].weight);
+  }
+  return best;
+}
+
+}  // namespace sheetform

@@ -1,0 +1,49 @@
+// The reduced morph: the outline points of all patches move so that straight rulings between them fit the surface best.
+//
+// It is the paper's energy (3.3.2, eq. 1 to 5) with straightness and seams made exact: the unknowns are the arch points,
+// shared by both sides of a seam, and every ruling point is an affine combination of them (method.md 9.4). The smoothness
+// term acts on displacements, so that smooth arches are not shrunk (experiments.md Q4).
+#pragma once
+#include <vector>
+
+#include "sheetform/mesh/surface_mesh.h"
+
+namespace sheetform {
+
+/// A point of a ruled patch and the surface point that it stands for.
+struct MorphSample {
+  std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0
+  std::array<double, 3> coefficient;
+  Vector3 target, normal;      ///< on the surface; unit normal there
+  double weight = 0;           ///< area that it stands for; 0 = only measured, not fitted
+  int patch = 0;
+  Vector3 at(const std::vector<Vector3>& x) const {
+    return coefficient[0] * x[unknown[0]] + coefficient[1] * x[unknown[1]] + coefficient[2] * x[unknown[2]];
+  }
+};
+
+struct MorphProblem {
+  std::vector<Vector3> rest;                ///< per unknown: its place on the surface
+  std::vector<double> anchor;               ///< per unknown: relative weight of staying at rest
+  std::vector<std::array<int, 3>> stencils; ///< consecutive unknowns along an arch: smoothness of the displacement
+  std::vector<std::array<int, 3>> bends;    ///< the same, absolute: keeps the arch itself smooth (small weight)
+  std::vector<MorphSample> samples;
+};
+
+struct MorphParams {
+  double smooth = 1.0;    ///< relative to the mean data weight of an unknown
+  double bend = 0.0;
+  int rounds = 4;         ///< minimax reweightings (Lawson) after the least-squares solve
+  double slide = 0.7;     ///< share of a sample's tangential offset that is forgiven between rounds
+  double stop_below = 0;  ///< no more rounds once the largest error is below
+};
+
+struct MorphResult {
+  std::vector<Vector3> position;  ///< per unknown
+  double max_error = 0;           ///< largest |position - target| of the fitted samples, normal part (see slide)
+};
+
+/// Least squares, then minimax reweighting; the best iterate is returned. One sparse factorisation per round.
+MorphResult morph(const MorphProblem& problem, const MorphParams& params);
+
+}  // namespace sheetform

@@ -1,0 +1,29 @@
+// The flat image of a patch, as isometric as can be: where straight rulings are searched (paper 3.3.1).
+#pragma once
+#include <vector>
+
+#include "sheetform/layout/layout.h"
+
+namespace sheetform {
+
+/// As-rigid-as-possible parametrisation of one patch, cut open along its seams with itself.
+/// uv in the units of the mesh; triangles are counter-clockwise where the map is not folded.
+struct PatchChart {
+  std::vector<int> vertices;                  ///< local vertex -> mesh vertex (seam vertices occur twice)
+  std::vector<Vector2> uv;                    ///< per local vertex
+  std::vector<std::array<int, 3>> triangles;  ///< local vertices, in the order of patch.faces
+  std::vector<std::vector<int>> boundary;     ///< per arch use: local vertices along it, both ends included
+  double folded = 0;                          ///< share of the area that is folded over
+  double distortion = 0;                      ///< mean of (s1-1)^2 + (s2-1)^2, s = singular values of the map
+};
+
+struct ChartParams {
+  int max_iterations = 12;
+  double stop = 2e-3;  ///< relative decrease of the energy
+};
+
+/// Tutte embedding on a circle, then local/global iterations (method.md 8.2). The patch must be a disk when cut open.
+/// Cost: one sparse factorisation each of n inner and n all vertices, n = vertices of the patch.
+PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const ChartParams& params);
+
+}  // namespace sheetform

@@ -1,0 +1,100 @@
+// Whether a layout is viable, and how well it fits: topology, charts, rulings, the morph (paper 3.3).
+#pragma once
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "sheetform/base/run_context.h"
+#include "sheetform/layout/layout.h"
+#include "sheetform/mesh/closest_point.h"
+#include "sheetform/morph/morph.h"
+#include "sheetform/ruling/rulings.h"
+
+namespace sheetform {
+
+/// The surface as the search sees it; lengths are in bounding-box diagonals of the input.
+struct SearchSurface {
+  SurfaceMesh mesh;           ///< the working mesh; its points move when paths are smoothed
+  std::vector<int> versions;  ///< per vertex, raised when it moves
+  SurfaceGuide guide;
+  const ClosestPointTree* input = nullptr;  ///< the untouched input
+};
+
+struct EvaluationParams {
+  double e_max = 0.02;
+  int max_sides = 6;
+  bool self_seams = true;
+  bool t_junctions = true;
+  double spacing = 0.03;        ///< of arch samples
+  double corner_turn = 30;      ///< degrees: a node where a patch turns by more is a corner of it
+  double normal_deviation = 0;  ///< degrees; 0 = no criterion
+  RulingParams ruling;
+  MorphParams morph;
+};
+
+enum class PatchVerdict : char { kViable, kNotADisk, kTouches, kTooManySides, kFolded, kNoRulings, kOverlap, kError };
+const char* to_string(PatchVerdict verdict);
+
+/// All that is known of one patch alone; cached by Patch::key.
+struct PatchEvaluation {
+  PatchVerdict verdict = PatchVerdict::kNotADisk;
+  std::shared_ptr<const PatchChart> chart;
+  PatchPolygon polygon;
+  std::vector<int> corners;          ///< polygon points
+  RulingSet rulings;
+  std::vector<MorphSample> samples;  ///< unknown = polygon point
+  double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout
+  bool viable() const { return verdict == PatchVerdict::kViable; }
+};
+
+/// A whole layout after the global morph.
+struct LayoutEvaluation {
+  std::vector<std::shared_ptr<const PatchEvaluation>> patches;
+  std::vector<double> patch_error;      ///< after the global morph
+  std::vector<Vector3> patch_worst;     ///< where it is attained (on the surface)
+  std::vector<std::vector<int>> unknowns;  ///< per patch: polygon point -> unknown
+  std::vector<std::vector<int>> arch_unknowns;  ///< per arch: its points from node to node
+  std::vector<Vector3> position;        ///< per unknown
+  double max_error = 0;
+  int failing = 0;                      ///< patches that are not viable or exceed e_max
+};
+
+/// Evaluates layouts of one surface; remembers every patch that it has seen. Thread-safe for patch().
+class LayoutEvaluator {
+ public:
+  LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context)
+      : surface_(surface), params_(params), context_(context) {}
+
+  const EvaluationParams& params() const { return params_; }
+  std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
+  /// All patches, on all threads.
+  std::vector<std::shared_ptr<const PatchEvaluation>> patches(const PatchLayout& layout);
+  /// The patch with some chords forbidden (polygon points); not cached.
+  std::shared_ptr<const PatchEvaluation> patch_avoiding(const PatchLayout& layout, int p,
+                                                        const std::function<bool(int, int)>& forbidden) const;
+  /// Global morph of the patches that have rulings; per-patch errors. `rounds`: minimax reweightings.
+  LayoutEvaluation layout(const PatchLayout& layout, int rounds) { return solve(layout, patches(layout), rounds); }
+  LayoutEvaluation solve(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds);
+  int evaluations() const { return evaluations_; }
+  int hits() const { return hits_; }
+
+ private:
+  std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
+                                                 const std::function<bool(int, int)>* forbidden) const;
+  const SearchSurface& surface_;
+  EvaluationParams params_;
+  RunContext& context_;
+  std::mutex mutex_;
+  std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
+  int evaluations_ = 0, hits_ = 0;
+};
+
+/// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it displacement is
+/// taken for distance. place: where.
+double patch_error(const std::vector<MorphSample>& samples, const std::vector<std::array<int, 3>>& triangles,
+                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, Vector3* place);
+
+}  // namespace sheetform

@@ -1,0 +1,73 @@
+// The search for a small viable layout: insertion, then removal of paths and of arches (paper 3.2 and 3.4).
+#pragma once
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "sheetform/search/evaluator.h"
+#include "sheetform/search/network_edit.h"
+#include "sheetform/tracing/tracing.h"
+
+namespace sheetform {
+
+struct SearchParams {
+  EvaluationParams evaluation;
+  int lawson_rounds = 4;        ///< minimax rounds of the global morph while searching
+  double min_spacing_edges = 2; ///< a candidate nearer than this to parallel paths, on average, is dropped
+};
+
+/// The state of one search over one component. Steps are public, so that the variants can be composed of them.
+class LayoutSearch {
+ public:
+  /// `surface.mesh` may be moved by smoothing; `graph` and `candidates` refer to its vertices by index.
+  LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph, std::vector<Path> candidates,
+               const SearchParams& params, RunContext& context);
+
+  /// Inserts until every patch is a disk with few sides, then until every patch fits within e_max.
+  void insert();
+  /// Removes whole paths, last first, in passes until none goes.
+  void remove_paths();
+  /// Removes single arches (T-junctions appear), the smallest patches first, until none goes.
+  void remove_arches();
+  /// Smooths all paths on the surface; patches near them are evaluated anew.
+  void smooth(int rounds);
+  /// Splits these patches (by id in layout()); returns how many were split.
+  int split(const std::vector<int>& patches, PatchVerdict reason);
+
+  const PatchLayout& layout();
+  const LayoutEvaluation& evaluation();
+  LayoutEvaluator& evaluator() { return evaluator_; }
+  const EditableNetwork& network() const { return network_; }
+  const std::vector<std::string>& log() const { return log_; }
+
+ private:
+  void changed() { layout_valid_ = evaluation_valid_ = false; }
+  std::vector<int> topologically_bad();
+  bool insert_best(const std::vector<int>& bad);
+  double priority(const Path& path, int patch) const;
+  void commit(std::size_t candidate);
+  bool try_remove(const std::vector<int>& edges);
+  bool changed_patches_viable(const PatchLayout& before, const PatchLayout& after);
+  bool no_worse(const LayoutEvaluation& before, const PatchLayout& layout_before, const LayoutEvaluation& after,
+                const PatchLayout& layout_after) const;
+  int combinatorial_corners(const Patch& patch) const;
+
+  SearchSurface& surface_;
+  EditableNetwork network_;
+  const TracingGraph& graph_;
+  std::vector<Path> candidates_;
+  std::vector<double> mean_distance_;
+  SearchParams params_;
+  RunContext& context_;
+  NodeDistance distance_;
+  LayoutEvaluator evaluator_;
+  LayoutRules rules_;
+  double edge_length_;
+  PatchLayout layout_;
+  LayoutEvaluation evaluation_;
+  bool layout_valid_ = false, evaluation_valid_ = false;
+  std::unordered_set<std::uint64_t> rejected_;
+  std::vector<std::string> log_;
+};
+
+}  // namespace sheetform

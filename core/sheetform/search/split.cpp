@@ -1,0 +1,326 @@
+#include "sheetform/search/split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <tuple>
+
+namespace sheetform {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Queue = std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
+
+// ---- patches that are no disks -------------------------------------------------------------------------------------
+
+// Shortest-path tree over the patch's vertices from its boundary (or its lowest vertex when it has none).
+struct Tree {
+  std::vector<int> parent_edge, root;
+  std::vector<double> distance;
+};
+
+Tree grow_tree(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
+  Tree tree;
+  const std::size_t n = mesh.points.size();
+  tree.parent_edge.assign(n, -1), tree.root.assign(n, -1), tree.distance.assign(n, kInfinity);
+  Queue queue;
+  auto seed = [&](int v) {
+    if (tree.distance[v] == 0) return;
+    tree.distance[v] = 0, tree.root[v] = v, queue.emplace(0, v);
+  };
+  for (int f : patch.faces)
+    for (int k = 0; k < 3; ++k)
+      if (layout.edge_arch[mesh.face_edges[f][k]] >= 0) seed(mesh.faces[f][k]), seed(mesh.faces[f][(k + 1) % 3]);
+  if (queue.empty()) seed(mesh.faces[patch.faces.front()][0]);
+  const int id = layout.face_patch[patch.faces.front()];
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > tree.distance[v]) continue;
+    for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) {
+      if (layout.edge_arch[*e] >= 0 || layout.face_patch[mesh.edges[*e].f0] != id) continue;
+      const int w = mesh.edges[*e].other(v);
+      const double next = d + mesh.edge_length(*e);
+      if (next >= tree.distance[w]) continue;
+      tree.distance[w] = next, tree.parent_edge[w] = *e, tree.root[w] = tree.root[v];
+      queue.emplace(next, w);
+    }
+  }
+  return tree;
+}
+
+std::vector<int> tree_path(const SurfaceMesh& mesh, const Tree& tree, int v) {
+  std::vector<int> path;
+  while (tree.parent_edge[v] >= 0) {
+    path.push_back(tree.parent_edge[v]);
+    v = mesh.edges[tree.parent_edge[v]].other(v);
+  }
+  return path;
+}
+
+// The way from one root over edge e to another; a shared tail is dropped, which leaves a closed loop.
+std::vector<int> generator(const SurfaceMesh& mesh, const Tree& tree, int e) {
+  std::vector<int> a = tree_path(mesh, tree, mesh.edges[e].v0), b = tree_path(mesh, tree, mesh.edges[e].v1);
+  while (!a.empty() && !b.empty() && a.back() == b.back()) a.pop_back(), b.pop_back();
+  a.push_back(e);
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
+  const Tree tree = grow_tree(mesh, layout, patch);
+  struct Candidate {
+    double length;
+    int edge;
+  };
+  std::vector<Candidate> free_edges;
+  for (int f : patch.faces)
+    for (int k = 0; k < 3; ++k) {
+      const int e = mesh.face_edges[f][k];
+      const auto& edge = mesh.edges[e];
+      if (layout.edge_arch[e] >= 0 || f != edge.f0) continue;
+      if (tree.parent_edge[edge.v0] == e || tree.parent_edge[edge.v1] == e) continue;
+      free_edges.push_back({tree.distance[edge.v0] + tree.distance[edge.v1] + mesh.edge_length(e), e});
+    }
+  // The dual spanning tree takes the longest ways first: what is left over are the short ones (Erickson, Whittlesey).
+  std::sort(free_edges.begin(), free_edges.end(),
+            [](const Candidate& x, const Candidate& y) { return std::tie(y.length, x.edge) < std::tie(x.length, y.edge); });
+  std::vector<int> parent(mesh.faces.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  auto find = [&](int f) {
+    while (parent[f] != f) f = parent[f] = parent[parent[f]];
+    return f;
+  };
+  std::vector<Candidate> left;
+  for (const Candidate& c : free_edges) {
+    const int a = find(mesh.edges[c.edge].f0), b = find(mesh.edges[c.edge].f1);
+    if (a == b) left.push_back(c);
+    parent[a] = b;
+  }
+  if (!left.empty()) return generator(mesh, tree, left.back().edge);
+  return {};
+}
+
+// Any loop on a closed sphere: around the vertices that are nearer to the start than half of the area.
+std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
+  const Tree tree = grow_tree(mesh, layout, patch);
+  std::vector<int> order = patch.faces;
+  auto far = [&](int f) {
+    const auto& t = mesh.faces[f];
+    return tree.distance[t[0]] + tree.distance[t[1]] + tree.distance[t[2]];
+  };
+  std::sort(order.begin(), order.end(), [&](int x, int y) { return std::pair(far(x), x) < std::pair(far(y), y); });
+  // Grow the near side face by face and keep it a disk: a face joins over one edge with a new vertex, or over two edges.
+  std::vector<char> in(mesh.faces.size(), 0), touched(mesh.points.size(), 0);
+  double area = 0;
+  for (bool grown = true; grown && area < patch.area / 2;) {
+    grown = false;
+    for (int f : order) {
+      if (in[f]) continue;
+      int edges = 0, vertices = 0;
+      for (int k = 0; k < 3; ++k) {
+        edges += in[mesh.edges[mesh.face_edges[f][k]].other_face(f)];
+        vertices += touched[mesh.faces[f][k]];
+      }
+      if (area > 0 && !((edges == 1 && vertices == 2) || edges == 2)) continue;
+      in[f] = 1, grown = true;
+      for (int v : mesh.faces[f]) touched[v] = 1;
+      area += mesh.face_normal_raw(f).norm() / 2;
+      if (area >= patch.area / 2) break;
+    }
+  }
+  std::vector<int> loop;
+  for (int e = 0; e < mesh.edge_count(); ++e)
+    if (!mesh.edges[e].border() && in[mesh.edges[e].f0] != in[mesh.edges[e].f1]) loop.push_back(e);
+  return loop;
+}
+
+// ---- disks: a cut in the chart -------------------------------------------------------------------------------------
+
+// A wanted curve in the chart and the stretches of the outline where the cut should start and end.
+struct WantedCut {
+  std::vector<Vector2> line;
+  int avoid_a = -1, avoid_b = -1;  // places of the loop that have to end up on different sides, -1: none
+};
+
+class ChartCutter {
+ public:
+  ChartCutter(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const PatchChart& chart)
+      : mesh_(mesh), layout_(layout), patch_(patch), chart_(chart) {
+    const int n = static_cast<int>(chart.vertices.size());
+    place_.assign(n, -1);
+    for (const auto& line : chart.boundary)
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) place_[line[i]] = static_cast<int>(loop_.size()), loop_.push_back(line[i]);
+    neighbours_.resize(n);
+    for (std::size_t t = 0; t < chart.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const int e = mesh.face_edges[patch.faces[t]][k];
+        if (layout.edge_arch[e] >= 0) continue;
+        const int a = chart.triangles[t][k], b = chart.triangles[t][(k + 1) % 3];
+        if (mesh.edges[e].f0 == patch.faces[t]) neighbours_[a].push_back({b, e}), neighbours_[b].push_back({a, e});
+      }
+    scale_ = std::sqrt(std::max(patch.area, 1e-300));
+  }
+
+  const std::vector<int>& loop() const { return loop_; }
+  const Vector2& uv(int place) const { return chart_.uv[loop_[place]]; }
+  int places() const { return static_cast<int>(loop_.size()); }
+
+  std::vector<int> cut(const WantedCut& wanted) const {
+    const int n = static_cast<int>(chart_.vertices.size());
+    std::vector<double> distance(n, kInfinity);
+    std::vector<int> from(n, -1), via(n, -1), origin(n, -1);
+    Queue queue;
+    for (int p = 0; p < places(); ++p) {
+      if (wanted.avoid_a >= 0 && !strictly_between(wanted.avoid_a, p, wanted.avoid_b)) continue;
+      const double d = end_cost(loop_[p], wanted.line.front());
+      distance[loop_[p]] = d, origin[loop_[p]] = p, queue.emplace(d, loop_[p]);
+    }
+    double best = kInfinity;
+    int best_from = -1, best_edge = -1, best_to = -1;
+    while (!queue.empty()) {
+      const auto [d, v] = queue.top();
+      queue.pop();
+      if (d > distance[v] || d > best) continue;
+      for (const auto& [w, e] : neighbours_[v]) {
+        const double next = d + mesh_.edge_length(e) * (1 + 40 * deviation(v, w, wanted.line));
+        if (place_[w] >= 0) {  // arrived on the outline
+          if (!target_ok(origin[v], place_[w], wanted)) continue;
+          const double total = next + end_cost(w, wanted.line.back());
+          if (total < best) best = total, best_from = v, best_edge = e, best_to = w;
+          continue;
+        }
+        if (next < distance[w]) distance[w] = next, from[w] = v, via[w] = e, origin[w] = origin[v], queue.emplace(next, w);
+      }
+    }
+    (void)best_to;
+    std::vector<int> edges;
+    if (best_from < 0) return edges;
+    edges.push_back(best_edge);
+    for (int v = best_from; from[v] >= 0; v = from[v]) edges.push_back(via[v]);
+    return edges;
+  }
+
+ private:
+  bool strictly_between(int a, int p, int b) const {
+    const int n = places(), span = (b - a + n) % n, at = (p - a + n) % n;
+    return at > 0 && at < span;
+  }
+  bool target_ok(int start, int end, const WantedCut& wanted) const {
+    if (start == end || chart_.vertices[loop_[start]] == chart_.vertices[loop_[end]]) return false;
+    return wanted.avoid_a < 0 || strictly_between(wanted.avoid_b, end, wanted.avoid_a);
+  }
+  double end_cost(int v, const Vector2& wanted) const {
+    const bool node = layout_.node[chart_.vertices[v]];
+    return 4 * (chart_.uv[v] - wanted).norm() + (node ? 0.02 * scale_ : 0);
+  }
+  double deviation(int v, int w, const std::vector<Vector2>& line) const {
+    const Vector2 p = (chart_.uv[v] + chart_.uv[w]) / 2;
+    double best = kInfinity;
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      const Vector2 d = line[i + 1] - line[i];
+      const double t = std::clamp((p - line[i]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+      best = std::min(best, (p - line[i] - t * d).squaredNorm());
+    }
+    return best / (scale_ * scale_);
+  }
+
+  const SurfaceMesh& mesh_;
+  const PatchLayout& layout_;
+  const Patch& patch_;
+  const PatchChart& chart_;
+  std::vector<int> loop_, place_;
+  std::vector<std::vector<std::pair<int, int>>> neighbours_;
+  double scale_ = 1;
+};
+
+// Through the middle of the chart, across its longer axis (second moments of the vertices).
+std::vector<Vector2> across_longer_axis(const PatchChart& chart) {
+  Vector2 mean = Vector2::Zero();
+  for (const Vector2& u : chart.uv) mean += u;
+  mean /= static_cast<double>(chart.uv.size());
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vector2& u : chart.uv) {
+    const Vector2 d = u - mean;
+    xx += d.x() * d.x(), xy += d.x() * d.y(), yy += d.y() * d.y();
+  }
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  const Vector2 longer(std::cos(angle), std::sin(angle)), shorter(-longer.y(), longer.x());
+  double reach = 0;
+  for (const Vector2& u : chart.uv) reach = std::max(reach, std::abs((u - mean).dot(shorter)));
+  return {mean - reach * shorter, mean + reach * shorter};
+}
+
+// The middles of the rulings.
+std::vector<Vector2> along_middles(const PatchEvaluation& e) {
+  std::vector<Vector2> line;
+  const auto& chords = e.rulings.chords;
+  for (std::size_t i = 0; i < chords.size(); ++i)
+    line.push_back((e.polygon.uv[chords[i].a] + e.polygon.uv[chords[i].b]) / 2);
+  if (line.size() < 2) return across_longer_axis(*e.chart);
+  // On to the outline at both ends.
+  const Vector2 head = line.front() - line[1], tail = line.back() - line[line.size() - 2];
+  line.insert(line.begin(), line.front() + head);
+  line.push_back(line.back() + tail);
+  return line;
+}
+
+// Straight between two outline points that share the corners evenly and lie close together.
+std::vector<Vector2> between_corners(const PatchEvaluation& e) {
+  const int n = e.polygon.size(), c = static_cast<int>(e.corners.size());
+  double best = kInfinity;
+  std::vector<Vector2> line;
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 2; b < n; ++b) {
+      int inside = 0;
+      for (int k : e.corners) inside += k > a && k < b;
+      const double uneven = std::abs(inside - (c - inside)) / static_cast<double>(c);
+      const double cost = (e.polygon.uv[a] - e.polygon.uv[b]).norm() * (1 + 3 * uneven * uneven);
+      if (std::min(b - a, n - b + a) > n / 5 && cost < best) best = cost, line = {e.polygon.uv[a], e.polygon.uv[b]};
+    }
+  return line;
+}
+
+// Two places of the loop that stand for the same mesh vertex (or the two sides of a seam), -1 if none.
+std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& chart) {
+  std::vector<std::pair<int, int>> seen;
+  for (int p = 0; p < cutter.places(); ++p) seen.emplace_back(chart.vertices[cutter.loop()[p]], p);
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = seen.size() / 2, k = 0; k < seen.size(); ++k, i = (i + 1) % seen.size())
+    if (i + 1 < seen.size() && seen[i].first == seen[i + 1].first) return {seen[i].second, seen[i + 1].second};
+  return {-1, -1};
+}
+
+}  // namespace
+
+std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch, const PatchEvaluation& evaluation) {
+  const Patch& p = layout.patches[patch];
+  if (p.defect == TopologyDefect::kNotADisk) {
+    std::vector<int> edges = cut_to_disk(mesh, layout, p);
+    if (edges.empty() && p.loops == 0) edges = halve_closed(mesh, layout, p);
+    if (!edges.empty()) return edges;
+  }
+  PatchChart own;
+  const PatchChart* chart = evaluation.chart.get();
+  if (chart == nullptr) own = parametrize(mesh, layout, p, {}), chart = &own;
+  const ChartCutter cutter(mesh, layout, p, *chart);
+  WantedCut wanted;
+  if (p.defect != TopologyDefect::kNone) {
+    std::tie(wanted.avoid_a, wanted.avoid_b) = double_place(cutter, *chart);
+    if (wanted.avoid_a >= 0) {
+      const int n = cutter.places(), half = (wanted.avoid_b - wanted.avoid_a) / 2;
+      wanted.line = {cutter.uv(wanted.avoid_a + half), cutter.uv((wanted.avoid_b + (n - 2 * half) / 2) % n)};
+      const std::vector<int> edges = cutter.cut(wanted);
+      if (!edges.empty()) return edges;
+      wanted.avoid_a = wanted.avoid_b = -1;
+    }
+  }
+  if (evaluation.verdict == PatchVerdict::kError) wanted.line = along_middles(evaluation);
+  if (evaluation.verdict == PatchVerdict::kTooManySides) wanted.line = between_corners(evaluation);
+  if (wanted.line.empty()) wanted.line = across_longer_axis(*chart);
+  return cutter.cut(wanted);
+}
+
+}  // namespace sheetform

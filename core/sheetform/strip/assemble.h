@@ -1,0 +1,34 @@
+// From solved outlines and triangulations to the strip mesh with its flat layout.
+#pragma once
+#include <vector>
+
+#include "sheetform/strip/strip_mesh.h"
+
+namespace sheetform {
+
+/// A layout in terms of shared points: what the final morph hands over.
+struct StripSource {
+  struct Patch {
+    std::vector<int> outline;                   ///< shared points, counter-clockwise, starts at the start of arches[0]
+    std::vector<std::array<int, 3>> triangles;  ///< places of `outline`, counter-clockwise, sweep order
+    std::vector<std::array<int, 2>> rulings;    ///< places of `outline`, sweep order
+    std::vector<int> corners;                   ///< ascending places of `outline`
+    std::vector<int> arches;                    ///< in the order of `outline`
+  };
+  struct Arch {
+    std::vector<int> points;
+    std::array<int, 2> patches;
+    bool crease = false;
+  };
+  std::vector<Vector3> points;
+  std::vector<Patch> patches;
+  std::vector<Arch> arches;
+};
+
+/// Unfolds every patch; each lies with its first flat point at the origin (the blueprint places them). O(triangles).
+StripMesh assemble_strips(const StripSource& source);
+
+/// Appends the patches of `other` (another component): ids are shifted.
+void append(StripMesh& strips, const StripMesh& other, int component);
+
+}  // namespace sheetform
