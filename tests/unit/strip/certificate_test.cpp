@@ -358,10 +358,8 @@ TEST(Distance, FindsTheSagittaOfAnInscribedCylinder) {
   const TriangleSoup input = shapes::cylinder(600, 8, 1, 2);
   const DistanceReport d = distance(input, shapes::tube(n, 1, 2), 500);
   const double sagitta = 1 - std::cos(shapes::kPi / n);
-  EXPECT_NEAR(d.result_to_input, sagitta, 1e-4 * std::sqrt(12) + 2e-5);
-  EXPECT_NEAR(d.input_to_result, sagitta, 1e-4 * std::sqrt(12) + 2e-5);
-  EXPECT_GE(d.upper, sagitta - 2e-5);
-  EXPECT_LE(d.upper, d.hausdorff() + 1e-4 * std::sqrt(12));
+  EXPECT_NEAR(d.result_to_input, sagitta, 1e-5 * std::sqrt(12));
+  EXPECT_NEAR(d.input_to_result, sagitta, 1e-5 * std::sqrt(12));
 }
 
 TEST(Distance, FindsASpikeThatNoSampleHits) {
@@ -371,7 +369,6 @@ TEST(Distance, FindsASpikeThatNoSampleHits) {
   const DistanceReport d = distance(input, shapes::two_leaves(0, 0, 3), 10);
   EXPECT_NEAR(d.input_to_result, 0.3, 1e-9);
   EXPECT_LT(d.result_to_input, 0.3);
-  EXPECT_GT(d.result_to_input, 0.01);
 }
 
 TEST(Distance, IsOneSidedWhereThePatchIsMissing) {
