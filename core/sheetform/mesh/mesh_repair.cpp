@@ -1,6 +1,7 @@
 #include "sheetform/mesh/mesh_repair.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -14,6 +15,7 @@ namespace {
 using gluing::Gluing;
 
 constexpr double kNear = 1e-9;        // of the diagonal: points that are meant to be one
+constexpr double kGap = 1e-5;         // of the diagonal: between copies of a vertex that was split
 constexpr double kLeastArea = 1e-10;  // of the squared diagonal
 
 // The soup while it is repaired, with what is known about where its parts come from.
@@ -171,20 +173,49 @@ void note_bow_ties(Work& work, const Gluing& g, const std::vector<int>& origin) 
             first < 0 ? Vector3(0, 0, 0) : work.soup.points[first]);
 }
 
+// Copies of one vertex are moved apart, each into its own fan: two vertices at one place would make results
+// whose borders touch. `faces` use the new vertices, still turned as they were.
+void pull_apart(const std::vector<std::array<int, 3>>& faces, const std::vector<int>& origin,
+                std::vector<Vector3>& points) {
+  const double step = kGap * bounding_box_diagonal(points);
+  std::vector<Vector3> sum(points.size(), Vector3::Zero()), normal(points.size(), Vector3::Zero());
+  std::vector<double> length(points.size(), 0),
+      shortest(points.size(), std::numeric_limits<double>::infinity());
+  for (const auto& f : faces)
+    for (int k = 0; k < 3; ++k)
+      for (int j = 1; j < 3; ++j) {
+        const int v = f[k];
+        const Vector3 d = points[f[(k + j) % 3]] - points[v];
+        sum[v] += d, length[v] += d.norm(), shortest[v] = std::min(shortest[v], d.norm());
+        if (j == 1) normal[v] += d.cross(points[f[(k + 2) % 3]] - points[v]);
+      }
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const bool copy = v > 0 && origin[v - 1] == origin[v],
+               has_copy = v + 1 < points.size() && origin[v + 1] == origin[v];
+    if (!copy && !has_copy) continue;
+    const bool level =
+        sum[v].norm() < 0.05 * length[v];  // amid a flat fan: no way inside, but one copy may stay
+    if (level && !copy) continue;
+    const Vector3 way = level ? Vector3(-normal[v]) : sum[v];
+    if (way.norm() > 0) points[v] += way.normalized() * std::min(step, 0.2 * shortest[v]);
+  }
+}
+
 // New points in the middle of sides: needed where two edges that are no longer one still join the same
 // vertices.
 struct Middles {
   std::vector<int> of_side;
-  void add(Work& work, const Gluing& g, int side, std::vector<Vector3>& points, std::vector<int>& origin) {
+  void add(const Gluing& g, int side, const Vector3& point, std::vector<Vector3>& points,
+           std::vector<int>& origin) {
     of_side[side] = static_cast<int>(points.size());
     if (g.partner[side] >= 0) of_side[g.partner[side]] = of_side[side];
-    points.push_back(side_middle(work.soup, side));
+    points.push_back(point);
     origin.push_back(-1);
   }
 };
 
-Middles split_double_edges(Work& work, const Gluing& g, const std::vector<int>& vertex,
-                           std::vector<Vector3>& points, std::vector<int>& origin) {
+Middles split_double_edges(const Gluing& g, const std::vector<int>& vertex, std::vector<Vector3>& points,
+                           std::vector<int>& origin) {
   Middles middles{std::vector<int>(g.partner.size(), -1)};
   std::vector<std::tuple<int, int, int>> edges;  // once for each edge as glued
   for (int s = 0; s < static_cast<int>(g.partner.size()); ++s) {
@@ -196,7 +227,7 @@ Middles split_double_edges(Work& work, const Gluing& g, const std::vector<int>& 
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const auto& [lo, hi, side] = edges[i];
     if (lo == std::get<0>(edges[i - 1]) && hi == std::get<1>(edges[i - 1]))
-      middles.add(work, g, side, points, origin);
+      middles.add(g, side, (points[lo] + points[hi]) / 2, points, origin);
   }
   return middles;
 }
@@ -222,7 +253,10 @@ RepairResult assembled(Work& work, const Gluing& g) {
   note_bow_ties(work, g, origin);
   std::vector<Vector3> points;
   for (int v : origin) points.push_back(work.soup.points[v]);
-  const Middles middles = split_double_edges(work, g, vertex, points, origin);
+  std::vector<std::array<int, 3>> fans(work.soup.faces.size());
+  for (std::size_t s = 0; s < vertex.size(); ++s) fans[s / 3][s % 3] = vertex[s];
+  pull_apart(fans, origin, points);
+  const Middles middles = split_double_edges(g, vertex, points, origin);
   std::vector<std::array<int, 3>> faces;
   for (int f = 0; f < static_cast<int>(work.soup.faces.size()); ++f) {
     const int s = 3 * f;
