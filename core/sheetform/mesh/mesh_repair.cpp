@@ -189,15 +189,18 @@ void pull_apart(const std::vector<std::array<int, 3>>& faces, const std::vector<
         sum[v] += d, length[v] += d.norm(), shortest[v] = std::min(shortest[v], d.norm());
         if (j == 1) normal[v] += d.cross(points[f[(k + 2) % 3]] - points[v]);
       }
+  int copies = 0;  // of the same vertex before v; each moves a little farther, should all go the same way
   for (std::size_t v = 0; v < points.size(); ++v) {
     const bool copy = v > 0 && origin[v - 1] == origin[v],
                has_copy = v + 1 < points.size() && origin[v + 1] == origin[v];
     if (!copy && !has_copy) continue;
+    copies = copy ? copies + 1 : 0;
     const bool level =
         sum[v].norm() < 0.05 * length[v];  // amid a flat fan: no way inside, but one copy may stay
     if (level && !copy) continue;
     const Vector3 way = level ? Vector3(-normal[v]) : sum[v];
-    if (way.norm() > 0) points[v] += way.normalized() * std::min(step, 0.2 * shortest[v]);
+    if (way.norm() > 0)
+      points[v] += way.normalized() * std::min(step * (1 + 0.5 * copies), 0.2 * shortest[v]);
   }
 }
 
