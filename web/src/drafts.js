@@ -1,0 +1,69 @@
+// Meshes that were dropped but not yet sent: the file, what it looks like, its size, the parameters.
+import { materialOf } from "./materials.js";
+import { inspectFile } from "./worker/client.js";
+import { recall } from "./prefs.js";
+
+export const ACCEPTED = ".stl,.obj,.ply,.off,model/stl,model/obj";
+
+class Drafts {
+  list = [];
+  current = 0;
+  listeners = new Set();
+
+  /** Begins a draft for each file; earlier drafts go. `like` = values of an earlier job to begin with. */
+  open(files, like = null) {
+    this.list = [...files].map((file) => makeDraft(file, like));
+    this.current = 0;
+    for (const draft of this.list) this.read(draft);
+    this.changed();
+  }
+
+  async read(draft) {
+    try {
+      draft.mesh = await inspectFile(draft.file);
+      draft.up = draft.up ?? guessUp(draft.mesh);
+    } catch (error) {
+      draft.error = error;
+    }
+    this.changed();
+  }
+
+  get draft() { return this.list[this.current] ?? null; }
+
+  select(k) {
+    this.current = k;
+    this.changed();
+  }
+
+  remove(draft) {
+    this.list = this.list.filter((item) => item !== draft);
+    this.current = Math.min(this.current, Math.max(0, this.list.length - 1));
+    this.changed();
+  }
+
+  changed() { for (const listener of [...this.listeners]) listener(); }
+  onChange(listener) {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+}
+
+export const drafts = new Drafts();
+
+function makeDraft(file, like) {
+  const material = recall("material", "card");
+  return {
+    file, name: file.name, mesh: null, error: null, up: null, tag: like?.tag ?? "",
+    scale: like?.parameters?.scale ?? 1, material,
+    values: like?.parameters ? { ...like.parameters } : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
+  };
+}
+
+/** STL comes from CAD and printing, where z is up; in OBJ, PLY and OFF it is mostly y. Samples say so in their name. */
+export function guessUp({ format }) {
+  return format === "stl" ? "z" : "y";
+}
+
+/** Extents of the box in units of the file. */
+export const extents = (mesh) => mesh.box.max.map((high, axis) => high - mesh.box.min[axis]);
+export const diagonal = (mesh) => Math.hypot(...extents(mesh));

@@ -1,0 +1,100 @@
+// The jobs as the page knows them, kept up to date by the server's events.
+import { dismissJob, listJobs, retryJob, watchJobs } from "./api.js";
+
+export const ACTIVE = new Set(["accepted", "running"]);
+
+export const STAGES = [
+  ["read", "Reading the mesh"],
+  ["prepare", "Preparing the surface"],
+  ["field", "Finding out how it bends"],
+  ["trace", "Tracing possible seams"],
+  ["insert", "Placing seams"],
+  ["remove", "Removing seams that are not needed"],
+  ["final", "Fitting and flattening the sheets"],
+  ["write", "Writing the files"],
+];
+
+class Jobs {
+  list = new Map();
+  known = false;      // whether the server's list has arrived
+  connection = "";    // "live", "polling", "lost"
+  listeners = new Set();
+
+  start() {
+    watchJobs({
+      onSnapshot: (jobs) => {
+        // A job older than the newest hundred may be open: what is not in the list is kept.
+        const listed = new Set(jobs.map((job) => job.jobID));
+        if (jobs.length < 100) for (const id of this.list.keys()) if (!listed.has(id)) this.list.delete(id);
+        for (const job of jobs) this.list.set(job.jobID, job);
+        this.known = true;
+        this.changed();
+      },
+      onJob: (job) => this.put(job),
+      onRemoved: (id) => this.drop(id),
+      onState: (state, problem) => {
+        if (state === this.connection) return;
+        this.connection = state;
+        this.problem = problem;
+        this.changed();
+      },
+    });
+  }
+
+  get(id) { return this.list.get(id) ?? null; }
+
+  newestFirst() {
+    return [...this.list.values()].sort((a, b) => (a.created < b.created ? 1 : a.created > b.created ? -1 : a.jobID < b.jobID ? 1 : -1));
+  }
+
+  put(job) {
+    this.list.set(job.jobID, job);
+    this.changed();
+  }
+
+  drop(id) {
+    if (this.list.delete(id)) this.changed();
+  }
+
+  /** Cancels a job that waits or runs; removes one that has ended. */
+  async dismiss(id) {
+    const active = ACTIVE.has(this.get(id)?.status);
+    const job = await dismissJob(id);
+    if (active) this.put(job);
+    else this.drop(id);
+  }
+
+  async retry(id) {
+    this.put(await retryJob(id));
+  }
+
+  async refresh() {
+    for (const job of await listJobs()) this.list.set(job.jobID, job);
+    this.changed();
+  }
+
+  changed() {
+    for (const listener of [...this.listeners]) listener();
+  }
+
+  /** listener() after every change; returns a function that ends it. */
+  onChange(listener) {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+}
+
+export const jobs = new Jobs();
+
+/** What a person calls the job: its tag, or the file's name without its ending. */
+export function titleOf(job) {
+  return job.tag || (job.inputs?.mesh?.name ?? "").replace(/\.(stl|obj|ply|off)$/i, "") || "Unnamed shape";
+}
+
+/** Seconds that are left, guessed from the share that is done; null as long as a guess would be worthless. */
+export function secondsLeft(job, now = Date.now()) {
+  if (job.status !== "running" || !job.started || job.progress < 4) return null;
+  const elapsed = (now - new Date(job.started).getTime()) / 1000;
+  if (elapsed < 1.5) return null;
+  return (elapsed * (100 - job.progress)) / job.progress;
+}

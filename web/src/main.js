@@ -1,0 +1,146 @@
+// The page's frame: header, routes (#, #new, #job/<id>), files dropped anywhere, light and dark.
+import { ProblemError, getProcess, openSession } from "./api.js";
+import { h, replace } from "./dom.js";
+import { drafts } from "./drafts.js";
+import { jobs } from "./jobs.js";
+import { recall, remember } from "./prefs.js";
+import { homePage } from "./ui/home.js";
+import { icon } from "./ui/icons.js";
+import { problemBox } from "./ui/problem.js";
+import { setTheme } from "./view/theme.js";
+
+const THEMES = ["auto", "light", "dark"];
+const THEME_ICON = { auto: "auto", light: "sun", dark: "moon" };
+
+class App {
+  page = null;
+  process = null;
+  stage = null;
+
+  start() {
+    this.host = document.getElementById("page");
+    replace(document.getElementById("top"), this.header());
+    setTheme(recall("theme", "auto"));
+    jobs.start();
+    jobs.onChange(() => this.showConnection());
+    addEventListener("hashchange", () => this.route());
+    this.listenToDrops();
+    // The address's hash names the page, so the skip link moves the focus by itself.
+    document.querySelector(".skip").addEventListener("click", (event) => {
+      event.preventDefault();
+      document.getElementById("main")?.focus();
+    });
+    this.route();
+  }
+
+  header() {
+    this.connection = h("p", { class: "connection", role: "status" });
+    const theme = h("button", { type: "button", class: "quiet", onclick: () => {
+      const next = THEMES[(THEMES.indexOf(recall("theme", "auto")) + 1) % THEMES.length];
+      remember("theme", next);
+      setTheme(next);
+      showTheme();
+    } });
+    const showTheme = () => {
+      const now = recall("theme", "auto");
+      theme.setAttribute("aria-label", `Colours: ${now === "auto" ? "as the system has it" : now}`);
+      theme.title = theme.getAttribute("aria-label");
+      replace(theme, icon(THEME_ICON[now]));
+    };
+    showTheme();
+    return [
+      h("a", { class: "brand", href: "#", "aria-label": "sheetform, all jobs" }, icon("logo", 26), h("span", {}, "sheetform")),
+      this.connection,
+      h("nav", { "aria-label": "Page" }, h("a", { class: "button quiet", href: "#" }, icon("list", 18), h("span", {}, "Jobs")), theme),
+    ];
+  }
+
+  go = (hash) => {
+    if (location.hash === hash || (hash === "#" && location.hash === "")) this.route();
+    else location.hash = hash;
+  };
+
+  async route() {
+    const hash = location.hash;
+    const turn = (this.turn = Symbol(hash));
+    if (hash !== "#new" && !hash.startsWith("#job/")) return this.show(homePage(this));
+    try {
+      await this.load();
+      if (this.turn !== turn) return;
+      const id = decodeURIComponent(hash.slice(5));
+      if (hash === "#new") this.show(drafts.draft ? this.pages.setupPage(this) : homePage(this));
+      else this.show(this.pages.jobPage({ ...this, go: this.go, id }));
+    } catch (error) {
+      if (this.turn === turn) this.showProblem(error);
+    }
+  }
+
+  /** What the work pages need: 3D and the description of the parameters. Fetched once. */
+  async load() {
+    const [pages, process] = await Promise.all([import("./pages.js"), this.process ?? getProcess()]);
+    this.pages = pages;
+    this.process = process;
+    this.stage ??= new pages.Stage();
+  }
+
+  show(page) {
+    this.page?.dispose?.();
+    this.page = page;
+    document.title = page.title ? `${page.title} · sheetform` : "sheetform: from mesh to sheets";
+    replace(this.host, page.element);
+    delete document.documentElement.dataset.ready;
+    window.scrollTo(0, 0);
+  }
+
+  showProblem(error) {
+    const token = error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
+    const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
+    this.show({ title: "", element: h("main", { class: "home", id: "main" }, problemBox(error, token ?? again)) });
+  }
+
+  showConnection() {
+    const lost = jobs.connection === "lost";
+    this.connection.classList.toggle("lost", lost);
+    this.connection.textContent = lost ? (jobs.problem?.status === 401 ? "Signed out" : "No connection to the server, trying again …") : "";
+    if (lost && jobs.problem?.status === 401 && !this.asked) {
+      this.asked = true;
+      this.showProblem(new ProblemError(jobs.problem));
+    }
+  }
+
+  listenToDrops() {
+    const veil = h("div", { class: "veil", hidden: true, "aria-hidden": "true" }, h("p", {}, icon("upload", 40), "Drop to begin"));
+    document.body.append(veil);
+    let depth = 0;
+    const carriesFiles = (event) => event.dataTransfer?.types.includes("Files");
+    addEventListener("dragenter", (event) => { if (carriesFiles(event)) { depth++; veil.hidden = false; } });
+    addEventListener("dragleave", (event) => { if (carriesFiles(event) && --depth <= 0) { depth = 0; veil.hidden = true; } });
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      depth = 0;
+      veil.hidden = true;
+      if (event.dataTransfer.files.length > 0) {
+        drafts.open(event.dataTransfer.files);
+        this.go("#new");
+      }
+    });
+  }
+}
+
+/** Asks for the server's token and opens a session. */
+function tokenForm(done) {
+  const input = h("input", { type: "password", autocomplete: "current-password", "aria-label": "Token" });
+  const error = h("p", { class: "field-error", role: "alert" });
+  return h("form", { class: "row", onsubmit: async (event) => {
+    event.preventDefault();
+    try {
+      await openSession(input.value.trim());
+      done();
+    } catch (problem) {
+      error.textContent = problem.message;
+    }
+  } }, input, h("button", { class: "primary" }, "Sign in"), error);
+}
+
+new App().start();

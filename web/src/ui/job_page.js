@@ -1,0 +1,198 @@
+// One job: it waits or runs, has failed, or shows its result.
+import { getInput, getJob } from "../api.js";
+import { announce, h, replace } from "../dom.js";
+import { drafts, guessUp } from "../drafts.js";
+import { count, duration, millimetres } from "../format.js";
+import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
+import { recall } from "../prefs.js";
+import { inspectFile } from "../worker/client.js";
+import { icon } from "./icons.js";
+import { problemBox } from "./problem.js";
+import { ResultView } from "./result_view.js";
+
+export function jobPage({ go, stage, process, id }) {
+  const panel = h("section", { class: "panel", "aria-label": "Job" });
+  const element = h("main", { class: "work", id: "main", tabindex: "-1" }, stage.element, panel);
+  const page = new JobPage({ go, stage, process, id, panel, element });
+  page.start();
+  return page;
+}
+
+class JobPage {
+  title = "";
+
+  constructor(context) {
+    Object.assign(this, context);
+    this.shown = "";  // the state on show
+  }
+
+  async start() {
+    this.stage.clear("");
+    this.stop = jobs.onChange(() => this.update());
+    if (!jobs.get(this.id)) {
+      replace(this.panel, h("p", { class: "busy" }, "Asking the server …"));
+      try {
+        jobs.put(await getJob(this.id));
+      } catch (error) {
+        this.lost(error);
+        return;
+      }
+    }
+    this.update();
+  }
+
+  lost(error) {
+    this.shown = "lost";
+    replace(this.panel, problemBox(error, h("a", { class: "button", href: "#" }, "All jobs")));
+  }
+
+  dispose() {
+    this.stop?.();
+    this.result?.dispose();
+    clearInterval(this.clock);
+    this.gone = true;
+  }
+
+  update() {
+    const job = jobs.get(this.id);
+    if (!job) {
+      if (this.shown && this.shown !== "lost") this.go("#");
+      return;
+    }
+    this.title = titleOf(job);
+    document.title = ACTIVE.has(job.status) ? `${job.progress} % · ${this.title} · sheetform` : `${this.title} · sheetform`;
+    const kind = ACTIVE.has(job.status) ? "active" : job.status;
+    if (kind === "active") this.showProgress(job);
+    if (kind === this.shown) return;
+    const before = this.shown;
+    this.shown = kind;
+    clearInterval(this.clock);
+    if (kind === "active") {
+      this.clock = setInterval(() => this.showProgress(jobs.get(this.id)), 1000);
+      this.showInput(job);
+    }
+    if (kind === "failed" || kind === "dismissed") {
+      this.showEnded(job);
+      if (before !== "active") this.showInput(job);
+    }
+    if (kind === "successful") this.showResult(job);
+    if (before === "active") announce({ successful: "The sheets are ready.", failed: "The job has failed.", dismissed: "The job was cancelled." }[kind] ?? "");
+  }
+
+  up(mesh) {
+    return recall("jobs", {})[this.id]?.up ?? guessUp(mesh);
+  }
+
+  /** The uploaded mesh, read once; null when it cannot be had. */
+  mesh() {
+    this.meshPromise ??= getInput(this.id).then(inspectFile).catch(() => null);
+    return this.meshPromise;
+  }
+
+  async showInput(job) {
+    const mesh = await this.mesh();
+    if (this.gone || !mesh || this.shown === "successful") return;
+    this.stage.showInput(mesh, { up: this.up(mesh), scale: job.parameters?.scale ?? 1, places: placesOf(job.exception, mesh) });
+  }
+
+  showProgress(job) {
+    if (!job || !ACTIVE.has(job.status)) return;
+    const waiting = job.status === "accepted";
+    const done = STAGES.findIndex(([stage]) => stage === job.stage);
+    const left = secondsLeft(job);
+    const elapsed = job.started ? (Date.now() - new Date(job.started).getTime()) / 1000 : 0;
+    this.progress ??= this.makeProgress();
+    const { bar, percentText, times, stages, heading, facts } = this.progress;
+    heading.textContent = waiting ? (job.queuePosition > 1 ? `Waits: number ${job.queuePosition} in the queue` : "Starts in a moment") : "Making the sheets";
+    bar.value = waiting ? 0 : job.progress;
+    percentText.textContent = waiting ? "–" : `${job.progress} %`;
+    times.textContent = waiting ? "" : [`${duration(elapsed)} so far`, left !== null && `about ${duration(Math.max(1, left))} left`].filter(Boolean).join(" · ");
+    stages.forEach((item, k) => {
+      item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
+      item.toggleAttribute("aria-current", !waiting && k === done);
+    });
+    replace(facts, factsOf(job));
+    if (!this.progress.element.isConnected) replace(this.panel, this.progress.element);
+  }
+
+  makeProgress() {
+    const bar = h("progress", { max: "100", "aria-label": "Progress" });
+    const percentText = h("strong", { class: "percent" });
+    const times = h("p", { class: "hint times" });
+    const heading = h("h2", {});
+    const facts = h("div", {});
+    const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
+    const cancel = h("button", { type: "button", onclick: async () => {
+      cancel.disabled = true;
+      try { await jobs.dismiss(this.id); } catch (error) { replace(facts, problemBox(error)); }
+      cancel.disabled = false;
+    } }, icon("close", 18), "Cancel");
+    const element = h("div", { class: "progress-panel" }, heading, h("div", { class: "percent-row" }, percentText, times), bar, h("ol", { class: "stages" }, stages), facts, h("div", { class: "row" }, cancel));
+    return { element, bar, percentText, times, stages, heading, facts };
+  }
+
+  showEnded(job) {
+    const again = h("button", { type: "button", class: "primary", onclick: () => this.runAgain(job) }, icon("again", 18), "Change settings");
+    const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
+    const remove = h("button", { type: "button", onclick: () => this.act(() => jobs.dismiss(this.id)) }, icon("trash", 18), "Remove");
+    this.note = h("div", {});
+    replace(this.panel, job.status === "failed"
+      ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, again, retry, remove)
+      : h("section", {}, h("h2", {}, "Cancelled"), h("p", {}, "The job was stopped before it was done."), h("div", { class: "row" }, again, retry, remove)),
+    factsOf(job), this.note);
+  }
+
+  async act(action) {
+    try {
+      await action();
+    } catch (error) {
+      replace(this.note, problemBox(error));
+    }
+  }
+
+  /** A new draft of the same mesh with the same parameters. */
+  async runAgain(job, change = {}) {
+    try {
+      const name = job.inputs?.mesh?.name || "mesh.obj";
+      const file = new File([await getInput(this.id)], name);
+      const { up, material } = recall("jobs", {})[this.id] ?? {};
+      drafts.open([file], { tag: job.tag, parameters: { ...job.parameters, ...change } });
+      if (up) drafts.draft.up = up;
+      if (material) drafts.draft.material = material;
+      this.go("#new");
+    } catch (error) {
+      replace(this.note ?? this.panel, problemBox(error));
+    }
+  }
+
+  showResult(job) {
+    this.result?.dispose();
+    this.result = new ResultView({ job, stage: this.stage, panel: this.panel, work: this.element, mesh: () => this.mesh(), up: (mesh) => this.up(mesh),
+      material: recall("jobs", {})[this.id]?.material, runAgain: (change) => this.runAgain(job, change), remove: () => jobs.dismiss(this.id).then(() => this.go("#")) });
+    this.result.open();
+  }
+}
+
+/** What the server understood of the mesh. */
+export function factsOf(job) {
+  const mesh = job.inputs?.mesh;
+  if (!mesh) return null;
+  const size = mesh.sizeMm?.map((value) => millimetres(value)).join(" × ");
+  return h("p", { class: "hint" }, [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "));
+}
+
+/** Places in the mesh that a problem names ("face 12", "vertex 7", "(1.5, 2, 3)"), relative to the mesh's centre. */
+export function placesOf(problem, mesh) {
+  const places = [];
+  for (const text of [problem?.where, ...(problem?.errors ?? []).map((item) => item.detail)]) {
+    for (const match of String(text ?? "").matchAll(/\(\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*\)/g)) {
+      places.push(match.slice(1, 4).map((value, axis) => Number(value) - mesh.center[axis]));
+    }
+    for (const match of String(text ?? "").matchAll(/\bface (\d+)/g)) {
+      const k = 3 * Number(match[1]);
+      if (k + 2 >= mesh.indices.length) continue;
+      places.push([0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, corner) => sum + mesh.positions[3 * mesh.indices[k + corner] + axis] / 3, 0)));
+    }
+  }
+  return places.filter((place) => place.every(Number.isFinite)).slice(0, 200);
+}

@@ -1,0 +1,94 @@
+// A finished job: shape and sheets side by side, what was proven, the list of parts, the files.
+import { getResults, getText } from "../api.js";
+import { h, replace } from "../dom.js";
+import { titleOf } from "../jobs.js";
+import { materialOf } from "../materials.js";
+import { keepPicture } from "../prefs.js";
+import { parseResult } from "../result/parse_result.js";
+import { certificate } from "./certificate.js";
+import { downloads } from "./downloads.js";
+import { figures } from "./figures.js";
+import { partsList } from "./parts_list.js";
+import { problemBox } from "./problem.js";
+import { viewControls } from "./view_controls.js";
+
+const TABS = [["result", "Result"], ["parts", "Parts"], ["files", "Files"]];
+/** On a narrow screen one thing is shown at a time. */
+const NARROW = [["shape", "Shape"], ["flat", "Flat"], ...TABS];
+
+export class ResultView {
+  constructor(context) {
+    Object.assign(this, context);
+    this.stops = [];
+  }
+
+  async open() {
+    replace(this.panel, h("p", { class: "busy" }, "Fetching the result …"));
+    try {
+      const files = await getResults(this.job.jobID);
+      const [obj, layout] = await Promise.all(["ruled.obj", "layout.json"].map((name) => getText(files[name].href)));
+      if (this.gone) return;
+      this.files = files;
+      this.model = parseResult(obj, JSON.parse(layout));
+      this.show();
+    } catch (error) {
+      if (!this.gone) replace(this.panel, problemBox(error.problem ? error : { title: "The result cannot be shown", detail: error.message }));
+    }
+  }
+
+  show() {
+    const { model, stage, job } = this;
+    const material = materialOf(this.material);
+    stage.showResult(model, { up: this.up({ format: job.inputs?.mesh?.format ?? "obj" }), mesh: null });
+    const controls = viewControls({ stage, model, mesh: this.mesh, material, job });
+    replace(stage.bottom, controls.element);
+    this.stops.push(controls.dispose);
+    const panes = {
+      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model, job),
+        h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"), h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"))),
+      parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
+      files: h("div", { class: "tab-pane" }, downloads(this.files, job)),
+    };
+    this.showTabs(panes);
+    // The picture on the job's card, once the first frame stands.
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      if (!this.gone && stage.viewport) keepPicture(job.jobID, stage.viewport.picture());
+      document.documentElement.dataset.ready = job.jobID;
+    }));
+  }
+
+  showTabs(panes) {
+    const body = h("div", { class: "tab-body", role: "tabpanel", id: "tab-body", tabindex: "0" });
+    const select = (id) => {
+      this.work.dataset.tab = id;
+      if (panes[id]) replace(body, panes[id]);
+      for (const button of buttons) {
+        const on = button.dataset.tab === id;
+        button.setAttribute("aria-selected", String(on));
+        button.tabIndex = on ? 0 : -1;
+      }
+    };
+    const makeTab = ([id, title]) => h("button", { type: "button", role: "tab", "data-tab": id, class: `tab tab-${id}`, "aria-controls": "tab-body", onclick: () => select(id) }, title);
+    const buttons = NARROW.map(makeTab);
+    const bar = h("div", { class: "tabs", role: "tablist", "aria-label": "Result", onkeydown: (event) => {
+      const shown = buttons.filter((button) => button.offsetParent !== null);
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      const next = shown[(shown.indexOf(document.activeElement) + step + shown.length) % shown.length];
+      next.click();
+      next.focus();
+    } }, buttons);
+    replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
+    const narrow = matchMedia("(max-width: 760px)");
+    const adapt = () => select(narrow.matches ? "shape" : "result");
+    narrow.addEventListener("change", adapt);
+    this.stops.push(() => narrow.removeEventListener("change", adapt));
+    adapt();
+  }
+
+  dispose() {
+    this.gone = true;
+    for (const stop of this.stops) stop();
+  }
+}

@@ -1,0 +1,125 @@
+// Below the 3D view: what the colours mean, what is drawn, parts moved apart, sheets folded open.
+import { freshId, h, replace } from "../dom.js";
+import { millimetres } from "../format.js";
+import { bendColors } from "../result/bend.js";
+import { distancesTo } from "../worker/client.js";
+import { heatColor } from "../view/theme.js";
+import { icon } from "./icons.js";
+
+export function viewControls({ stage, model, mesh, material, job }) {
+  const state = { color: "parts", seams: true, rulings: true, original: false };
+  const legend = h("div", { class: "legend", hidden: true });
+  const apart = slider("Apart", (value) => stage.pose({ explode: value }));
+  const fold = slider("Unfold", (value) => stage.pose({ fold: 1 - value }));
+  let running = 0;
+  const play = h("button", { type: "button", class: "tool", title: "Unfold and fold", "aria-label": "Unfold and fold", onclick: () => animate() }, icon("play", 18));
+
+  function animate() {
+    cancelAnimationFrame(running);
+    const from = Number(fold.input.value);
+    const to = from > 0.5 ? 0 : 1;
+    const begun = performance.now();
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const next = (now) => {
+      const t = calm ? 1 : Math.min(1, (now - begun) / 2600);
+      const eased = t * t * (3 - 2 * t);
+      fold.set(from + (to - from) * eased);
+      if (t < 1) running = requestAnimationFrame(next);
+    };
+    running = requestAnimationFrame(next);
+  }
+  const draw = () => {
+    stage.result?.show(state);
+    stage.flat?.showRulings(state.rulings);
+    if (stage.input) stage.input.group.visible = state.original || state.color === "error";
+    stage.viewport?.draw();
+  };
+  const toggle = (name, title) => h("label", { class: "toggle" }, h("input", { type: "checkbox", checked: state[name], onchange: async (event) => {
+    state[name] = event.target.checked;
+    if (name === "original") await ensureInput();
+    draw();
+  } }), h("span", {}, title));
+
+  async function ensureInput() {
+    if (stage.input) return true;
+    const input = await mesh();
+    if (!input || !stage.result || stage.input) return Boolean(stage.input);
+    stage.addOverlay(input);
+    return true;
+  }
+  const colors = { parts: showParts, error: showError, bend: showBend };
+  function showParts() {
+    legend.hidden = true;
+    stage.result.setValues(null);
+    if (stage.input) { stage.input.setHeat(null); stage.input.asGhost(true); }
+    stage.result.group.visible = true;
+  }
+  async function showError() {
+    if (!(await ensureInput())) return replace(legend, "The mesh could not be fetched."), (legend.hidden = false);
+    const heat = await errorOf(stage, model);
+    if (state.color !== "error") return;
+    const full = Math.max(heat.limit, heat.worst);
+    stage.input.setHeat(heat.values, full);
+    stage.input.asGhost(false);
+    stage.input.box.visible = stage.input.borders.visible = stage.input.crowded.visible = false;
+    stage.input.markPlaces([heat.place]);
+    stage.result.group.visible = false;
+    showLegend(legend, "Distance of your mesh to the sheets", full, heat.worst, heat.limit);
+  }
+  function showBend() {
+    const { values, tightest, text } = bendColors(model, material);
+    stage.result.setValues(values);
+    stage.result.group.visible = true;
+    replace(legend, h("strong", {}, `Bend radius in ${material.title.toLowerCase()}`),
+      h("div", { class: "keys" }, h("span", { class: "key ok" }, "easy"), h("span", { class: "key near" }, "tight"), h("span", { class: "key over" }, `below ${material.radius} mm`)),
+      h("span", { class: "hint" }, Number.isFinite(tightest) ? `tightest ${millimetres(tightest)}. ${text}` : text));
+    legend.hidden = false;
+  }
+  const name = freshId("color");
+  const choose = async (id) => {
+    state.color = id;
+    if (id !== "error") showParts();
+    await colors[id]();
+    draw();
+  };
+  const segments = h("div", { class: "segments small", role: "radiogroup", "aria-label": "Colours show" },
+    [["parts", "Parts"], ["error", "Error"], ["bend", "Bend"]].map(([id, title]) => h("label", {}, h("input", { type: "radio", name, value: id, checked: id === "parts", onchange: () => choose(id) }), h("span", {}, title))));
+  draw();
+  const element = h("div", { class: "view-controls" }, legend,
+    h("div", { class: "control-row" }, segments, toggle("seams", "Seams"), toggle("rulings", "Bend lines"), toggle("original", "Mesh")),
+    h("div", { class: "control-row" }, apart.element, fold.element, play));
+  return { element, dispose: () => cancelAnimationFrame(running), job };
+}
+
+function slider(title, onValue) {
+  const id = freshId("slider");
+  const input = h("input", { type: "range", id, min: "0", max: "1", step: "0.005", value: "0", oninput: () => onValue(Number(input.value)) });
+  return { input, element: h("label", { class: "slider", for: id }, h("span", {}, title), input), set: (value) => { input.value = String(value); onValue(value); } };
+}
+
+/** Distances of the input's vertices to the sheets, in mm, computed once per model. */
+async function errorOf(stage, model) {
+  if (model.heat) return model.heat;
+  const { mesh } = stage.input;
+  const shift = mesh.center.map((value, axis) => value - model.center[axis]);
+  const vertices = Float64Array.from(mesh.positions, (value, k) => value + shift[k % 3]);
+  const faces = Uint32Array.from(model.parts.flatMap((part) => Array.from(part.triangles)));
+  const { distances, worst } = await distancesTo(vertices, model.position, faces);
+  const values = distances.map((value) => value * model.scale);
+  const { input = {}, parameters = {} } = model.layout;
+  model.heat = { values, worst: values[worst], place: Array.from(mesh.positions.slice(3 * worst, 3 * worst + 3)), limit: (parameters.e_max ?? 0) * (input.bbox_diagonal ?? 0) * model.scale };
+  return model.heat;
+}
+
+function showLegend(legend, title, full, worst, limit) {
+  const canvas = h("canvas", { width: 200, height: 8, class: "ramp", "aria-hidden": "true" });
+  const context = canvas.getContext("2d");
+  for (let x = 0; x < 200; x++) {
+    const [r, g, b] = heatColor(x / 199).map((value) => Math.round(255 * value));
+    context.fillStyle = `rgb(${r} ${g} ${b})`;
+    context.fillRect(x, 0, 1, 8);
+  }
+  replace(legend, h("strong", {}, title), canvas, h("div", { class: "slider-ends" }, h("span", {}, "0"), h("span", {}, millimetres(full))),
+    h("span", { class: "hint" }, `Worst place (marked): ${millimetres(worst)}. Allowed: ${millimetres(limit)}.`));
+  legend.hidden = false;
+}

@@ -1,0 +1,236 @@
+// The stage: the 3D window and, for results, the flat layout beside it; what is chosen in one is chosen in all.
+import { h, oncePerFrame, replace } from "../dom.js";
+import { extents } from "../drafts.js";
+import { millimetres } from "../format.js";
+import { icon } from "../ui/icons.js";
+import { FlatView } from "./flat_view.js";
+import { InputObject } from "./input_object.js";
+import { ResultObject } from "./result_object.js";
+import { onThemeChange } from "./theme.js";
+import { Viewport } from "./viewport.js";
+
+export class Stage {
+  constructor() {
+    this.host3d = h("div", { class: "pane pane3d" });
+    this.hostFlat = h("div", { class: "pane pane-flat", hidden: true });
+    this.divider = h("div", { class: "divider", role: "separator", tabindex: "0", "aria-orientation": "vertical", "aria-label": "Width of the 3D view", "aria-valuenow": "50", hidden: true });
+    this.labels = h("div", { class: "labels", "aria-hidden": "true" });
+    this.tools = h("div", { class: "tools" });
+    this.bottom = h("div", { class: "bottom-tools" });
+    this.message = h("p", { class: "stage-message", hidden: true });
+    this.element = h("div", { class: "stage" }, this.host3d, this.divider, this.hostFlat);
+    this.selection = { hovered: null, selected: null, seam: null };
+    this.selectionListeners = new Set();
+    this.drag = null;
+    this.start3d();
+    this.host3d.append(this.labels, this.tools, this.bottom, this.message);
+    this.listenToDivider();
+    onThemeChange(() => this.recolor());
+  }
+
+  start3d() {
+    try {
+      this.viewport = new Viewport(this.host3d, { label: "The shape in 3D. Arrow keys turn it, plus and minus zoom, 0 shows all." });
+    } catch {
+      this.host3d.append(h("p", { class: "stage-message" }, "This browser cannot show 3D (WebGL is off). Everything else works."));
+      return;
+    }
+    this.viewport.onFrame((what, width, height) => {
+      if (what === "resize") this.result?.setResolution(width, height);
+      this.placeLabels();
+    });
+    this.pickSoon = oncePerFrame((event) => this.hover(this.under(event)));
+    const { canvas } = this.viewport;
+    let pressed = null;
+    canvas.addEventListener("pointermove", (event) => event.buttons === 0 && this.pickSoon(event));
+    canvas.addEventListener("pointerleave", () => this.hover({ part: null, seam: null }));
+    canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
+    canvas.addEventListener("pointerup", (event) => {
+      const still = pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < 4;
+      if (still && this.result) this.choose(this.under(event));
+    });
+  }
+
+  clear(message = "") {
+    this.remove("input");
+    this.remove("result");
+    this.setFlat(false);
+    replace(this.labels);
+    replace(this.tools);
+    replace(this.bottom);
+    this.message.hidden = !message;
+    this.message.textContent = message;
+    this.viewport?.draw();
+  }
+
+  remove(which) {
+    if (!this[which]) return;
+    this.viewport?.root.remove(this[which].group);
+    this[which].dispose();
+    this[which] = null;
+  }
+
+  /** Shows an uploaded mesh. onUp is told when the person turns it upright. */
+  showInput(mesh, { up, scale, onUp, places = [] }) {
+    this.clear();
+    if (!this.viewport) return;
+    this.input = new InputObject(mesh);
+    this.input.markPlaces(places);
+    this.viewport.root.add(this.input.group);
+    this.viewport.setUp(up);
+    this.up = up;
+    this.viewport.fit(this.input.radius * 1.12);
+    this.viewport.home();
+    this.setScale(scale);
+    replace(this.tools, this.viewTools(onUp));
+  }
+
+  /** Millimetres for one unit: the sizes beside the box follow. */
+  setScale(scale) {
+    if (!this.input) return;
+    const sizes = extents(this.input.mesh);
+    const { box, center } = this.input.mesh;
+    const corner = box.max.map((high, axis) => high - center[axis]);
+    const low = box.min.map((value, axis) => value - center[axis]);
+    const places = this.up === "z"
+      ? [[0, low[1], low[2]], [corner[0], 0, low[2]], [low[0], low[1], 0]]
+      : [[0, low[1], corner[2]], [low[0], 0, corner[2]], [corner[0], low[1], 0]];
+    this.marked = ["x", "y", "z"].map((axis, k) => ({ at: places[k], element: h("span", { class: `size-label axis-${axis}` }, millimetres(sizes[k] * scale)) }));
+    replace(this.labels, this.marked.map((mark) => mark.element));
+    this.placeLabels();
+  }
+
+  /** Buttons that every view has. */
+  viewTools(onUp) {
+    const up = h("button", { type: "button", class: "tool", title: "Which axis points up", onclick: () => {
+      this.up = this.up === "z" ? "y" : "z";
+      this.viewport.setUp(this.up);
+      this.relabel?.();
+      up.lastChild.textContent = `${this.up} up`;
+      onUp?.(this.up);
+    } }, icon("cube", 18), h("span", {}, `${this.up} up`));
+    const fit = h("button", { type: "button", class: "tool", title: "Show all (0)", "aria-label": "Show all", onclick: () => {
+      this.viewport.home();
+      this.viewport.fit(this.result ? this.result.radius() : this.input.radius * 1.12);
+    } }, icon("fit", 18));
+    return [fit, up];
+  }
+
+  placeLabels() {
+    if (!this.viewport) return;
+    for (const { at, element } of this.marked ?? []) {
+      const pixel = this.viewport.project(at);
+      element.hidden = !pixel;
+      if (pixel) element.style.transform = `translate(${pixel[0].toFixed(1)}px, ${pixel[1].toFixed(1)}px) translate(-50%, -50%)`;
+    }
+  }
+
+  /** Shows a result: parts in 3D beside the flat layout. `mesh` = the input, if it is to be had. */
+  showResult(model, { up, mesh, onUp }) {
+    this.clear();
+    this.marked = [];
+    this.model = model;
+    this.setFlat(true);
+    this.flat ??= new FlatView(this.hostFlat, { onHover: (at) => this.hover(at), onSelect: (at) => this.choose(at) });
+    this.flat.show(model);
+    this.selection = { hovered: null, selected: null, seam: null };
+    if (!this.viewport) return;
+    this.result = new ResultObject(model);
+    this.result.setResolution(this.host3d.clientWidth, this.host3d.clientHeight);
+    this.viewport.root.add(this.result.group);
+    if (mesh) this.addOverlay(mesh);
+    this.viewport.setUp(up);
+    this.up = up;
+    this.viewport.fit(this.result.radius());
+    this.viewport.home();
+    replace(this.tools, this.viewTools(onUp));
+  }
+
+  /** The input over the result, hidden at first; both are drawn around the result's centre. */
+  addOverlay(mesh) {
+    this.input = new InputObject(mesh);
+    this.input.asGhost(true);
+    this.input.group.position.set(...mesh.center.map((value, axis) => value - this.model.center[axis]));
+    this.input.group.visible = false;
+    this.viewport.root.add(this.input.group);
+  }
+
+  /** Poses the parts and keeps them in sight. */
+  pose(state) {
+    if (!this.result) return;
+    const before = this.result.state;
+    const leaving = before.fold >= 1 && state.fold !== undefined && state.fold < 1;
+    const axes = leaving || state.only !== undefined ? this.viewport.screenAxes() : null;
+    this.result.pose({ ...state, ...(axes ? { x: axes[0], y: axes[1] } : {}) });
+    this.viewport.refit(this.result.radius());
+  }
+
+  under(event) {
+    if (!this.result) return { part: null, seam: null };
+    const hit = this.viewport.pick(event, [this.result.front, this.result.back]);
+    if (!hit) return { part: null, seam: null };
+    const at = this.result.group.worldToLocal(hit.point.clone()).toArray();
+    return this.result.partAt(hit, 6 * this.viewport.pixelSize(at));
+  }
+
+  hover({ part, seam }) {
+    if (part === this.selection.hovered && seam === this.hoveredSeam) return;
+    this.hoveredSeam = seam;
+    this.setSelection({ hovered: part });
+  }
+
+  /** A part (index) or, where the pointer meets one, a seam; the same again lets go. */
+  choose({ part, seam }) {
+    if (seam !== null && seam !== undefined) {
+      return this.setSelection({ seam: seam === this.selection.seam ? null : seam, selected: null });
+    }
+    this.setSelection({ selected: part === this.selection.selected ? null : part, seam: null });
+  }
+
+  setSelection(change) {
+    Object.assign(this.selection, change);
+    const lit = { ...this.selection, seam: this.selection.seam ?? this.hoveredSeam ?? null };
+    this.result?.highlight(lit);
+    this.flat?.highlight(lit);
+    if (change.selected !== undefined && change.selected !== null) this.flat?.reveal(change.selected);
+    this.viewport?.draw();
+    for (const listener of this.selectionListeners) listener(this.selection);
+  }
+
+  onSelection(listener) {
+    this.selectionListeners.add(listener);
+    return () => this.selectionListeners.delete(listener);
+  }
+
+  recolor() {
+    this.input?.recolor();
+    this.result?.recolor();
+    this.viewport?.draw();
+  }
+
+  setFlat(on) {
+    this.hostFlat.hidden = this.divider.hidden = !on;
+    this.element.classList.toggle("split", on);
+  }
+
+  listenToDivider() {
+    const set = (share) => {
+      const clamped = Math.min(0.8, Math.max(0.2, share));
+      this.element.style.setProperty("--split", `${(clamped * 100).toFixed(1)}%`);
+      this.divider.setAttribute("aria-valuenow", (clamped * 100).toFixed(0));
+      this.share = clamped;
+    };
+    this.share = 0.5;
+    this.divider.addEventListener("pointerdown", (event) => this.divider.setPointerCapture(event.pointerId));
+    this.divider.addEventListener("pointermove", (event) => {
+      if (!this.divider.hasPointerCapture(event.pointerId)) return;
+      const box = this.element.getBoundingClientRect();
+      set((event.clientX - box.left) / box.width);
+    });
+    this.divider.addEventListener("keydown", (event) => {
+      if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+      event.preventDefault();
+      set(this.share + (event.key === "ArrowLeft" ? -0.04 : 0.04));
+    });
+  }
+}

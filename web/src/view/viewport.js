@@ -1,0 +1,212 @@
+// The 3D window: camera, light, orbit by pointer and keys, picking. Draws only when something changed.
+import {
+  AmbientLight, Color, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Spherical, Vector2,
+  Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+const FIELD_OF_VIEW = 28;
+const HOME = { theta: 0.7, phi: 1.16 };  // a little from the right and from above
+
+export class Viewport {
+  /** Puts a canvas into `host`; throws when the browser has no WebGL. */
+  constructor(host, { label }) {
+    this.host = host;
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.canvas = this.renderer.domElement;
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", label);
+    this.canvas.className = "canvas3d";
+    host.append(this.canvas);
+
+    this.scene = new Scene();
+    this.root = new Group();  // turned so that the model's up axis is the world's y
+    this.scene.add(this.root);
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 100);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener("change", () => this.draw());
+    this.addLights();
+    this.radius = 1;
+    this.frameListeners = new Set();
+    this.frames = { count: 0, milliseconds: 0 };
+    this.pending = false;
+    this.canvas.addEventListener("keydown", (event) => this.onKey(event));
+    this.canvas.addEventListener("webglcontextrestored", () => this.draw());
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+    this.home();
+  }
+
+  addLights() {
+    // The lamps go with the camera: what one looks at is lit.
+    const key = new DirectionalLight(0xffffff, 1.9);
+    key.position.set(-0.6, 1, 1.1);
+    const fill = new DirectionalLight(0xffffff, 0.55);
+    fill.position.set(1.2, -0.2, 0.6);
+    this.camera.add(key, fill, key.target, fill.target);
+    key.target.position.set(0, 0, -1);
+    fill.target.position.set(0, 0, -1);
+    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x9a8f80, 0.75), new AmbientLight(0xffffff, 0.35));
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    for (const listener of this.frameListeners) listener("resize", width, height);
+    this.keepDistance();
+    this.draw();
+  }
+
+  /** Asks for one frame. */
+  draw() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => {
+      this.pending = false;
+      const begun = performance.now();
+      this.renderer.render(this.scene, this.camera);
+      this.frames.count++;
+      this.frames.milliseconds += performance.now() - begun;
+      for (const listener of this.frameListeners) listener("frame");
+    });
+  }
+
+  /** Which axis of the model points up: "y" or "z". */
+  setUp(axis) {
+    this.root.rotation.x = axis === "z" ? -Math.PI / 2 : 0;
+    this.root.updateMatrixWorld(true);
+    this.draw();
+  }
+
+  /** Shows everything within `radius` of the origin, keeping the direction of view. */
+  fit(radius) {
+    this.radius = radius;
+    this.controls.target.set(0, 0, 0);
+    this.wanted = null;
+    this.place(this.distanceFor(radius));
+  }
+
+  /** The same while something grows or shrinks: the user's own zoom is kept as a factor. */
+  refit(radius) {
+    const factor = this.camera.position.distanceTo(this.controls.target) / this.distanceFor(this.radius);
+    this.radius = radius;
+    this.place(this.distanceFor(radius) * factor);
+  }
+
+  keepDistance() {
+    if (this.lastAspect && this.lastAspect !== this.camera.aspect) {
+      const aspect = this.camera.aspect;
+      this.camera.aspect = this.lastAspect;
+      const factor = this.camera.position.distanceTo(this.controls.target) / this.distanceFor(this.radius);
+      this.camera.aspect = aspect;
+      this.place(this.distanceFor(this.radius) * factor);
+    }
+    this.lastAspect = this.camera.aspect;
+  }
+
+  distanceFor(radius) {
+    const half = (FIELD_OF_VIEW * Math.PI) / 360;
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    return (radius * 1.06) / Math.sin(narrow);
+  }
+
+  place(distance) {
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.camera.position.copy(this.controls.target).addScaledVector(away, distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 20 + this.radius * 4;
+    this.camera.updateProjectionMatrix();
+    this.controls.minDistance = this.radius * 0.05;
+    this.controls.maxDistance = this.distanceFor(this.radius) * 8;
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Back to the first view. */
+  home() {
+    this.look(HOME.theta, HOME.phi);
+  }
+
+  /** Looks from the given direction, angles in radians around and from above. */
+  look(theta, phi) {
+    const distance = this.distanceFor(this.radius);
+    this.controls.target.set(0, 0, 0);
+    this.camera.position.setFromSpherical(new Spherical(distance, phi, theta));
+    this.place(distance);
+  }
+
+  onKey(event) {
+    const turn = 0.12;
+    const at = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
+    const keys = {
+      ArrowLeft: () => { at.theta -= turn; }, ArrowRight: () => { at.theta += turn; },
+      ArrowUp: () => { at.phi -= turn; }, ArrowDown: () => { at.phi += turn; },
+      "+": () => { at.radius *= 0.88; }, "=": () => { at.radius *= 0.88; }, "-": () => { at.radius /= 0.88; },
+      0: () => this.home(), Home: () => this.home(),
+    };
+    const action = event.ctrlKey || event.metaKey || event.altKey ? null : keys[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+    if (event.key === "0" || event.key === "Home") return;
+    at.makeSafe();
+    this.camera.position.setFromSpherical(at).add(this.controls.target);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The closest hit of the pointer on `objects`, or null. */
+  pick(event, objects) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    return ray.intersectObjects(objects, false)[0] ?? null;
+  }
+
+  /** Pixel position of a point of the model, or null behind the camera. */
+  project(point) {
+    const at = this.root.localToWorld(new Vector3(...point)).project(this.camera);
+    if (at.z > 1) return null;
+    return [((at.x + 1) / 2) * this.host.clientWidth, ((1 - at.y) / 2) * this.host.clientHeight];
+  }
+
+  /** Length in the model that one pixel covers at the given point. */
+  pixelSize(point) {
+    const distance = this.root.localToWorld(new Vector3(...point)).distanceTo(this.camera.position);
+    return (2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / this.host.clientHeight;
+  }
+
+  /** The camera's right and up as directions of the model. */
+  screenAxes() {
+    const inverse = this.root.quaternion.clone().invert();
+    const [x, y] = [new Vector3(1, 0, 0), new Vector3(0, 1, 0)];
+    return [x, y].map((axis) => axis.applyQuaternion(this.camera.quaternion).applyQuaternion(inverse).toArray());
+  }
+
+  /** A small square picture of what is shown, as a data URL. */
+  picture(size = 192) {
+    this.renderer.render(this.scene, this.camera);
+    const { width, height } = this.canvas;
+    const side = Math.min(width, height);
+    const small = document.createElement("canvas");
+    small.width = small.height = size;
+    small.getContext("2d").drawImage(this.canvas, (width - side) / 2, (height - side) / 2, side, side, 0, 0, size, size);
+    return small.toDataURL("image/webp", 0.8);
+  }
+
+  /** listener("frame") after each frame, listener("resize", width, height) after a change of size. */
+  onFrame(listener) {
+    this.frameListeners.add(listener);
+    return () => this.frameListeners.delete(listener);
+  }
+}
+
+export { Color };
