@@ -10,20 +10,26 @@
 namespace sheetform {
 
 struct SmoothParams {
-  int rounds = 5;            ///< each: path steps, then relaxation of the vertices around, then projection
-  int path_steps = 4;        ///< Laplacian steps along the paths in a round
-  int relax_steps = 2;       ///< tangential Laplacian steps of the other vertices in a round
-  double damping = 0.5;      ///< part of the way to the average that a step goes
+  /// Where all vertices of the mesh were before any path was smoothed; null: where they are now. With it the
+  /// result does not depend on how often or in which steps paths were smoothed before: without it loops
+  /// shrink a little with every call.
+  const std::vector<Vector3>* rest = nullptr;
+  double cutoff_edges =
+      24;          ///< waves along a path of this many edges are halved, shorter ones go, longer ones stay
+  int rounds = 4;  ///< the way is gone in this many parts, vertices around follow in each
+  int relax_steps = 2;       ///< tangential Laplacian steps of the vertices around, in a round
   double min_quality = 0.1;  ///< 2 r_in / R_circ that no touched face may fall below
+  double min_move =
+      0.03;  ///< in edges: path vertices nearer to their goal stay, nothing around them is touched
 };
 
-/// Moves path vertices by Laplacian smoothing along the paths and other vertices within two rings of them by
-/// tangential relaxation; all are put back on `surface`. Vertices with two path edges go to the middle of
-/// their neighbours, crossings to the average of four, T-junctions stay on their straight bar. Border
-/// vertices, `fixed_vertex` and loose ends stay. Guarantee: no face ends up turned over (against its normal
-/// before) or with quality below min_quality, except one that was so before, which does not get worse;
-/// vertices go back towards where they were until that holds. Returns the vertices that moved, ascending.
-/// Cost: about 1 ms for each 100 path vertices.
+/// Moves path vertices to where the paths bend least over the surface (path_fairing.h), and the other
+/// vertices within two rings of moving ones by tangential relaxation; all are put back on `surface`. At
+/// crossings both paths are straightened, T-junctions stay on their straight bar. Border vertices,
+/// `fixed_vertex` and loose ends stay. Guarantee: no face ends up turned over (against its normal at rest) or
+/// with quality below min_quality, except one that was so before, which does not get worse; vertices go back
+/// towards where they were until that holds. Returns the vertices that moved, ascending. Cost: about 1 ms for
+/// each 100 path vertices.
 std::vector<int> smooth_paths(SurfaceMesh& mesh, const std::vector<char>& path_edge,
                               const std::vector<char>& fixed_vertex, const ClosestPointTree& surface,
                               const SmoothParams& params, RunContext& context);
