@@ -1,0 +1,285 @@
+#include "sheetform/mesh/creases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sheetform {
+namespace {
+
+// Angles in degrees, lengths as fractions of the diagonal. Chosen on some 45 meshes, half of them organic.
+constexpr double kWeakShare = 2.0 / 3;  // of the asked angle: enough to bridge a gap
+constexpr double kBarrierShare = 0.75;  // of the asked angle: the surroundings of an edge end there
+constexpr double kSharpMore = 25;       // over the asked angle: then a less clear turning is forgiven
+constexpr double kLeastLoop = 0.04, kLeastNetwork = 0.06;
+constexpr double kLooseAtBorder = 0.15, kLooseAtCrease = 0.35, kLooseBoth = 0.5;
+constexpr double kMostZigzag = 8, kMostZigzagLoose = 6, kMostTurn = 30;  // per vertex of a chain
+constexpr int kMostPasses = 50;
+constexpr int kMostFaces = 64;  // of the surroundings of an edge, on one side
+
+enum Mark : char { kNone = 0, kWeak = 1, kStrong = 2 };
+
+double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+}
+
+// Dihedral angles and how much of the turning nearby they are.
+class Sharpness {
+ public:
+  Sharpness(const SurfaceMesh& mesh, double barrier)
+      : mesh_(mesh), mean_edge_(mean_edge_length(mesh)), barrier_(barrier) {
+    for (int f = 0; f < mesh.face_count(); ++f) {
+      const auto& t = mesh.faces[f];
+      normals_.push_back(mesh.face_normal_raw(f));
+      middles_.push_back((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
+    }
+  }
+
+  double dihedral(int e) const {
+    const auto& edge = mesh_.edges[e];
+    return edge.border() ? 0 : angle_between(normals_[edge.f0], normals_[edge.f1]);
+  }
+
+  // Dihedral angle / angle between the mean normals of both sides; of two radii the one nearer to 1.
+  double share(int e) const {
+    const double size = std::clamp(mesh_.edge_length(e), mean_edge_ / 2, mean_edge_ * 2), angle = dihedral(e);
+    double best = 0;
+    for (double radius : {size, 2 * size}) {
+      const double around =
+          angle_between(side_normal(e, mesh_.edges[e].f0, radius), side_normal(e, mesh_.edges[e].f1, radius));
+      const double ratio = around > 0 ? std::min(3.0, angle / around) : 3.0;
+      if (best == 0 || std::abs(std::log(ratio)) < std::abs(std::log(best))) best = ratio;
+    }
+    return best;
+  }
+
+ private:
+  // Area-weighted normal of the faces on the side of `face`, connected to it over edges below the barrier.
+  Vector3 side_normal(int e, int face, double radius) const {
+    const auto& edge = mesh_.edges[e];
+    const Vector3& a = mesh_.points[edge.v0];
+    const Vector3 middle = (a + mesh_.points[edge.v1]) / 2;
+    const Vector3 up = normals_[edge.f0].normalized() + normals_[edge.f1].normalized();
+    Vector3 out = up.cross(mesh_.points[edge.v1] - a);
+    if (out.dot(middles_[face] - a) < 0) out = -out;
+    std::vector<int> seen{face};
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t i = 0; i < seen.size() && i < kMostFaces; ++i) {
+      sum += normals_[seen[i]];
+      for (int side : mesh_.face_edges[seen[i]]) {
+        const int next = mesh_.edges[side].other_face(seen[i]);
+        if (next < 0 || side == e || std::find(seen.begin(), seen.end(), next) != seen.end()) continue;
+        if ((middles_[next] - middle).norm() > radius || out.dot(middles_[next] - a) <= 0) continue;
+        if (angle_between(normals_[seen[i]], normals_[next]) < barrier_) seen.push_back(next);
+      }
+    }
+    return sum;
+  }
+
+  const SurfaceMesh& mesh_;
+  double mean_edge_, barrier_;
+  std::vector<Vector3> normals_, middles_;
+};
+
+struct Chain {
+  std::vector<int> edges, vertices;  // vertices: one more than edges; first = last when closed
+  bool closed = false;
+};
+
+struct ChainShape {
+  double length = 0, weak = 0, dihedral = 0, turn = 0, zigzag = 0;  // angles: means
+  int loose_ends = 0;
+  bool at_border = false;  // one end at least
+};
+
+class CreaseNetwork {
+ public:
+  CreaseNetwork(const SurfaceMesh& mesh, double angle);
+  // Removes chains and networks that are no creases until nothing changes.
+  void clean() {
+    bool changed = true;
+    for (int pass = 0; changed && pass < kMostPasses; ++pass) {
+      changed = drop_chains();
+      changed = drop_networks() || changed;
+    }
+  }
+  std::vector<char> result() const {
+    std::vector<char> crease(marks_.size());
+    std::transform(marks_.begin(), marks_.end(), crease.begin(),
+                   [](Mark m) { return static_cast<char>(m != kNone); });
+    return crease;
+  }
+
+ private:
+  int degree(int v) const {
+    return static_cast<int>(std::count_if(mesh_.ring_begin_of(v), mesh_.ring_end_of(v),
+                                          [&](int e) { return marks_[e] != kNone; }));
+  }
+  bool is_node(int v) const { return mesh_.border_vertex[v] || degree(v) != 2; }
+  bool is_loose(int v) const { return !mesh_.border_vertex[v] && degree(v) == 1; }
+  Chain walk(int v, int e, std::vector<char>& seen) const;
+  std::vector<Chain> chains() const;
+  ChainShape shape(const Chain& chain) const;
+  bool keep(const Chain& chain, const ChainShape& s) const;
+  bool drop_chains();
+  bool drop_networks();
+  void erase(const std::vector<int>& edges) {
+    for (int e : edges) marks_[e] = kNone;
+  }
+
+  const SurfaceMesh& mesh_;
+  double diagonal_, angle_;
+  std::vector<Mark> marks_;
+  std::vector<double> dihedral_,
+      good_;  // good_: the edge's length when its chain looks like a crease by itself
+};
+
+CreaseNetwork::CreaseNetwork(const SurfaceMesh& mesh, double angle)
+    : mesh_(mesh),
+      diagonal_(bounding_box_diagonal(mesh.points)),
+      angle_(angle),
+      marks_(mesh.edges.size(), kNone),
+      dihedral_(mesh.edges.size(), 0),
+      good_(mesh.edges.size(), 0) {
+  const Sharpness sharpness(mesh, kBarrierShare * angle);
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    const double a = dihedral_[e] = sharpness.dihedral(e);
+    if (a < kWeakShare * angle) continue;
+    const double share = sharpness.share(e);
+    const bool clear = a >= angle && share > 0.85 && share < 1.25;
+    const bool sharp = a >= angle + kSharpMore && share > 0.6 && share < 1.3;
+    if (clear || sharp)
+      marks_[e] = kStrong;
+    else if (share > 0.7 && share < 1.6)
+      marks_[e] = kWeak;
+  }
+}
+
+Chain CreaseNetwork::walk(int v, int e, std::vector<char>& seen) const {
+  Chain chain;
+  chain.vertices.push_back(v);
+  while (e >= 0) {
+    seen[e] = 1;
+    chain.edges.push_back(e);
+    const int x = mesh_.edges[e].other(chain.vertices.back());
+    chain.vertices.push_back(x);
+    e = -1;
+    if (x == v || is_node(x)) break;
+    for (const int* q = mesh_.ring_begin_of(x); q != mesh_.ring_end_of(x); ++q)
+      if (marks_[*q] != kNone && !seen[*q]) e = *q;
+  }
+  return chain;
+}
+
+std::vector<Chain> CreaseNetwork::chains() const {
+  std::vector<Chain> found;
+  std::vector<char> seen(marks_.size(), 0);
+  for (int v = 0; v < mesh_.vertex_count(); ++v) {
+    if (!is_node(v)) continue;
+    for (const int* q = mesh_.ring_begin_of(v); q != mesh_.ring_end_of(v); ++q)
+      if (marks_[*q] != kNone && !seen[*q]) found.push_back(walk(v, *q, seen));
+  }
+  for (int e = 0; e < mesh_.edge_count(); ++e)
+    if (marks_[e] != kNone && !seen[e]) {
+      found.push_back(walk(mesh_.edges[e].v0, e, seen));
+      found.back().closed = true;
+    }
+  return found;
+}
+
+// Mean turning per vertex, and what of it is not there at twice the spacing: zigzag, not bend.
+void measure_turning(const SurfaceMesh& mesh, const Chain& chain, ChainShape& s) {
+  const int n = static_cast<int>(chain.edges.size());
+  auto point = [&](int i) { return mesh.points[chain.vertices[chain.closed ? (i + n) % n : i]]; };
+  const int margin = chain.closed ? 0 : 2;
+  int turns = 0, wiggles = 0;
+  for (int i = chain.closed ? 0 : 1; i < n; ++i) {
+    const double turn = angle_between(point(i) - point(i - 1), point(i + 1) - point(i));
+    s.turn += turn, ++turns;
+    if (i < margin || i > n - margin) continue;
+    s.zigzag += std::max(0.0, turn - angle_between(point(i) - point(i - 2), point(i + 2) - point(i)) / 2),
+        ++wiggles;
+  }
+  s.turn /= std::max(1, turns);
+  s.zigzag /= std::max(1, wiggles);
+}
+
+ChainShape CreaseNetwork::shape(const Chain& chain) const {
+  ChainShape s;
+  for (int e : chain.edges) {
+    const double length = mesh_.edge_length(e);
+    s.length += length;
+    s.dihedral += length * dihedral_[e];
+    if (marks_[e] == kWeak) s.weak += length;
+  }
+  s.dihedral /= std::max(s.length, std::numeric_limits<double>::min());
+  measure_turning(mesh_, chain, s);
+  if (!chain.closed)
+    for (int v : {chain.vertices.front(), chain.vertices.back()}) {
+      s.loose_ends += is_loose(v);
+      s.at_border = s.at_border || mesh_.border_vertex[v];
+    }
+  return s;
+}
+
+bool CreaseNetwork::keep(const Chain& chain, const ChainShape& s) const {
+  if (s.weak > 0.6 * s.length) return false;
+  if (s.zigzag > kMostZigzag && chain.edges.size() > 4) return false;
+  if (chain.closed)
+    return s.length >= kLeastLoop * diagonal_ &&
+           (chain.edges.size() >= 8 || s.dihedral >= angle_ + kSharpMore);
+  if (s.loose_ends == 0) return true;
+  const double least = s.loose_ends == 2 ? kLooseBoth : s.at_border ? kLooseAtBorder : kLooseAtCrease;
+  return s.length >= least * diagonal_ && s.weak < 0.4 * s.length && s.zigzag < kMostZigzagLoose;
+}
+
+bool CreaseNetwork::drop_chains() {
+  bool any = false;
+  for (const Chain& chain : chains()) {
+    const ChainShape s = shape(chain);
+    const bool smooth =
+        s.zigzag < kMostZigzag && (s.turn < kMostTurn || chain.closed || chain.edges.size() <= 2);
+    const bool good = s.length >= kLeastLoop * diagonal_ && smooth;
+    for (int e : chain.edges) good_[e] = good ? mesh_.edge_length(e) : 0;
+    if (keep(chain, s)) continue;
+    erase(chain.edges);
+    any = true;
+  }
+  return any;
+}
+
+// Connected creases support each other: a tangle of short pieces is roughness.
+bool CreaseNetwork::drop_networks() {
+  bool any = false;
+  std::vector<char> seen(mesh_.points.size(), 0);
+  for (int seed = 0; seed < mesh_.vertex_count(); ++seed) {
+    if (seen[seed] || degree(seed) == 0) continue;
+    seen[seed] = 1;
+    std::vector<int> stack{seed}, edges;
+    double length = 0, good = 0;
+    while (!stack.empty()) {
+      const int v = stack.back();
+      stack.pop_back();
+      for (const int* q = mesh_.ring_begin_of(v); q != mesh_.ring_end_of(v); ++q) {
+        if (marks_[*q] == kNone) continue;
+        const int x = mesh_.edges[*q].other(v);
+        if (v < x) edges.push_back(*q), length += mesh_.edge_length(*q), good += good_[*q];
+        if (!seen[x]) seen[x] = 1, stack.push_back(x);
+      }
+    }
+    if (length >= kLeastNetwork * diagonal_ && good >= length / 2) continue;
+    erase(edges);
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees) {
+  CreaseNetwork network(mesh, angle_degrees);
+  network.clean();
+  return network.result();
+}
+
+}  // namespace sheetform

@@ -1,0 +1,19 @@
+// Sharp edges: where the surface really has an edge, not where it is merely strongly curved or rough.
+#pragma once
+#include <vector>
+
+#include "sheetform/mesh/surface_mesh.h"
+
+namespace sheetform {
+
+/// 1 for each interior edge on a crease, 0 for all others (border edges too). angle_degrees: least angle
+/// between the normals of the two sides, (0, 180).
+///
+/// An edge counts when its dihedral angle is about the whole turning of the surface nearby (mean normals of
+/// the two sides within two edge lengths): a rounded ridge turns over several edges, roughness turns back.
+/// Weaker edges (two thirds of the angle) join gaps. The chains that result must be long, straight beyond the
+/// zigzag of edges, and closed or ending at borders or other creases; chains with a loose end only count when
+/// they are long. Wants a mesh whose edges follow its creases. O(n) but for chains; deterministic.
+std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees);
+
+}  // namespace sheetform
