@@ -126,7 +126,8 @@ Path PathSearch::through(int node) {
     if (bound >= std::min(meeting.best(), max_cost_)) break;
     step(top[0] <= top[1] ? 0 : 1, meeting);
   }
-  if (meeting.best() > max_cost_) return {};
+  last_cost_ = meeting.best() > max_cost_ ? Frontier::kFar : meeting.best();
+  if (last_cost_ >= Frontier::kFar) return {};
   const bool loop = meeting.loop_cost <= meeting.best();
   const int tail = loop ? meeting.loop_node : meeting.end[0];
   const int head = loop ? TracingGraph::opposite(meeting.loop_node) : meeting.end[1];

@@ -49,6 +49,8 @@ class PathSearch {
   /// The cheapest path from a terminal node to another terminal vertex. Empty when there is none within
   /// max_cost.
   Path from_terminal(int node);
+  /// Cost of the walk that the last call of through() found, before cleaning; infinity (kFar) when it found none.
+  double last_cost() const { return last_cost_; }
 
  private:
   struct Meeting {
@@ -61,6 +63,7 @@ class PathSearch {
   void step(int side, Meeting& meeting);
   PathBuilder builder_;
   double drift_weight_, max_cost_;
+  double last_cost_ = Frontier::kFar;
   Frontier front_[2];
 };
 

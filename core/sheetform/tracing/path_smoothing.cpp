@@ -133,6 +133,7 @@ class Smoother {
     add_around();
     remember_faces();
     move(context);
+    make_room();
     repair();
     return moved();
   }
@@ -200,10 +201,22 @@ class Smoother {
         mesh_.points[region_.movable[i]] = region_.start[i] + part * (goals_[i] - region_.start[i]);
       for (int i = 0; i < params_.relax_steps; ++i) relax(mesh_, region_, goals_.size());
     }
+    project_around();
+  }
+
+  void project_around() {
     for (std::size_t i = goals_.size(); i < region_.movable.size(); ++i) {
       Vector3& p = mesh_.points[region_.movable[i]];
       p = projected(p, region_.start[i]);
     }
+  }
+
+  // Bad faces often only need more room: the vertices around give way once more before path vertices go back.
+  void make_room() {
+    constexpr int kSteps = 10;
+    if (std::none_of(before_.begin(), before_.end(), [&](const FaceState& s) { return is_bad(s); })) return;
+    for (int i = 0; i < kSteps; ++i) relax(mesh_, region_, goals_.size());
+    project_around();
   }
 
   bool is_bad(const FaceState& state) const {
