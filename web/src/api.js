@@ -53,6 +53,7 @@ export const dismissJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`,
 export const retryJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
 export const getResults = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/results`);
 export const zipHref = (id) => `${ROOT}/jobs/${encodeURIComponent(id)}/results?f=zip`;
+export const fileHref = (id, name) => `${ROOT}/jobs/${encodeURIComponent(id)}/results/${name}?inline=1`;
 export const getText = async (href) => (await request(href)).text();
 export const getInput = async (id) => (await request(`${ROOT}/jobs/${encodeURIComponent(id)}/input`)).blob();
 

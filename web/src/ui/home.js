@@ -1,4 +1,5 @@
 // The first thing one sees: where to drop a mesh, shapes to try, and one's jobs.
+import { fileHref } from "../api.js";
 import { h, replace } from "../dom.js";
 import { ACCEPTED, drafts } from "../drafts.js";
 import { ago, count, millimetres, percent } from "../format.js";
@@ -21,12 +22,12 @@ function chooser(go) {
 
 export function homePage({ go }) {
   const input = chooser(go);
-  const drop = h("div", { class: "drop" }, illustration(),
+  const drop = h("div", { class: "drop" }, illustration(), h("div", { class: "drop-text" },
     h("h1", {}, "From a mesh to sheets you can cut"),
     h("p", { class: "lead" }, "Drop a 3D model. It comes back as flat parts that bend into its shape without stretching: paper, card, plywood or metal."),
     h("div", { class: "row center" },
       h("button", { class: "primary large", type: "button", onclick: () => input.click() }, icon("upload"), "Choose a mesh"), input),
-    h("p", { class: "hint" }, "or drop it anywhere on this page. STL, OBJ, PLY or OFF, several at once if you like."));
+    h("p", { class: "hint" }, "or drop it anywhere on this page. STL, OBJ, PLY or OFF, several at once if you like.")));
   const samples = h("section", { class: "samples", "aria-labelledby": "samples-title" },
     h("h2", { id: "samples-title" }, "No file at hand? Try a shape"),
     h("div", { class: "chips" }, SAMPLES.map((sample) => h("button", { type: "button", class: "chip", title: sample.text, onclick: () => openSample(sample, go) }, sample.title))));
@@ -34,7 +35,10 @@ export function homePage({ go }) {
   const heading = h("h2", {}, "Your jobs");
   const section = h("section", { class: "jobs" }, heading, list);
   const urls = new Map();
-  const update = () => showJobs(section, list, urls);
+  const update = () => {
+    showJobs(section, list, urls);
+    drop.classList.toggle("compact", !section.hidden);  // the jobs shall be in sight
+  };
   update();
   const stop = jobs.onChange(update);
   return {
@@ -74,7 +78,10 @@ function thumbnail(job, urls) {
     if (blob) urls.set(job.jobID, URL.createObjectURL(blob));
   }
   const url = urls.get(job.jobID);
-  return url ? h("img", { src: url, alt: "" }) : icon(job.status === "failed" ? "warn" : "cube", 34);
+  if (url) return h("img", { src: url, alt: "" });
+  // Another device, or a forgetful browser: the cut drawing is a picture, too.
+  if (job.status === "successful") return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
+  return icon(job.status === "failed" ? "warn" : "cube", 34);
 }
 
 function subtitle(job) {

@@ -39,7 +39,6 @@ const fits = (w, d, [a, b]) => Math.min(w, d) <= Math.min(a, b) && Math.max(w, d
 function onKey(event, model, stage) {
   const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
   const { selected } = stage.selection;
-  if (event.key === "Escape") return stage.setSelection({ selected: null, seam: null });
   if (!step) return;
   event.preventDefault();
   const next = selected === null ? (step > 0 ? 0 : model.parts.length - 1) : (selected + step + model.parts.length) % model.parts.length;
@@ -50,7 +49,13 @@ const labelOf = (model, id) => model.parts[model.partIndex.get(id)]?.label ?? St
 
 function partDetail(model, stage, k) {
   const part = model.parts[k];
-  return h("div", { class: "detail-card" }, h("h3", {}, `Part ${part.label}`),
+  const alone = stage.result?.state.only === k;
+  return h("div", { class: "detail-card" },
+    h("div", { class: "row" }, h("h3", {}, `Part ${part.label}`),
+      h("button", { type: "button", class: "small right", "aria-pressed": String(alone), onclick: () => {
+        stage.pose({ only: alone ? null : k });
+        stage.setSelection({});
+      } }, alone ? "Show all" : "Show alone")),
     part.mirrorOf !== null && h("p", { class: "hint" }, `Mirror image of ${labelOf(model, part.mirrorOf)}.`),
     h("p", { class: "hint" }, `${count(part.rulings.length / 2, "bend line")}, ${count(part.seams.length, "edge")}:`),
     h("ul", { class: "seam-list" }, part.seams.map((id) => {

@@ -44,17 +44,25 @@ export class ResultView {
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
     const panes = {
-      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model, job),
+      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model),
         h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"), h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"))),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
       files: h("div", { class: "tab-pane" }, downloads(this.files, job)),
     };
     this.showTabs(panes);
+    this.listenToEscape();
     // The picture on the job's card, once the first frame stands.
     requestAnimationFrame(() => requestAnimationFrame(() => {
       if (!this.gone && stage.viewport) keepPicture(job.jobID, stage.viewport.picture());
       document.documentElement.dataset.ready = job.jobID;
     }));
+  }
+
+  /** Escape lets go of what is chosen, wherever the focus is. */
+  listenToEscape() {
+    const onKey = (event) => event.key === "Escape" && this.stage.setSelection({ selected: null, seam: null });
+    addEventListener("keydown", onKey);
+    this.stops.push(() => removeEventListener("keydown", onKey));
   }
 
   showTabs(panes) {

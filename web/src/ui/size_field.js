@@ -2,7 +2,7 @@
 import { freshId, h } from "../dom.js";
 import { extents } from "../drafts.js";
 import { significant } from "../format.js";
-import { readNumber } from "./schema_form.js";
+import { readNumber } from "./number_range.js";
 
 const AXES = ["x", "y", "z"];
 

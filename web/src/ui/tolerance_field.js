@@ -2,7 +2,7 @@
 import { freshId, h } from "../dom.js";
 import { diagonal } from "../drafts.js";
 import { percent, significant } from "../format.js";
-import { readNumber } from "./schema_form.js";
+import { readNumber } from "./number_range.js";
 
 const FINEST = 0.002;
 const COARSEST = 0.1;
@@ -45,5 +45,5 @@ export function toleranceField(schema, draft, onChange) {
     h("label", { for: id, class: "hint" }, "How far a sheet may lie from the mesh. Coarser means fewer parts and less glue."),
     slider,
     h("div", { class: "slider-ends hint", "aria-hidden": "true" }, h("span", {}, "true to shape"), h("span", {}, "few parts")),
-    h("div", { class: "pair" }, h("label", {}, asMm, h("span", { class: "unit" }, "mm")), h("span", { class: "hint" }, "or"), h("label", {}, asPercent, h("span", { class: "unit" }, "% of the diagonal")))) };
+    h("div", { class: "pair" }, h("label", {}, asMm, h("span", { class: "unit" }, "mm")), h("span", { class: "hint" }, "or"), h("label", {}, asPercent, h("span", { class: "unit" }, "% of diagonal")))) };
 }

@@ -11,7 +11,8 @@ import { Viewport } from "./viewport.js";
 
 export class Stage {
   constructor() {
-    this.host3d = h("div", { class: "pane pane3d" });
+    this.view3d = h("div", { class: "view3d" });
+    this.host3d = h("div", { class: "pane pane3d" }, this.view3d);
     this.hostFlat = h("div", { class: "pane pane-flat", hidden: true });
     this.divider = h("div", { class: "divider", role: "separator", tabindex: "0", "aria-orientation": "vertical", "aria-label": "Width of the 3D view", "aria-valuenow": "50", hidden: true });
     this.labels = h("div", { class: "labels", "aria-hidden": "true" });
@@ -23,16 +24,17 @@ export class Stage {
     this.selectionListeners = new Set();
     this.drag = null;
     this.start3d();
-    this.host3d.append(this.labels, this.tools, this.bottom, this.message);
+    this.view3d.append(this.labels, this.tools, this.message);
+    this.host3d.append(this.bottom);
     this.listenToDivider();
     onThemeChange(() => this.recolor());
   }
 
   start3d() {
     try {
-      this.viewport = new Viewport(this.host3d, { label: "The shape in 3D. Arrow keys turn it, plus and minus zoom, 0 shows all." });
+      this.viewport = new Viewport(this.view3d, { label: "The shape in 3D. Arrow keys turn it, plus and minus zoom, 0 shows all." });
     } catch {
-      this.host3d.append(h("p", { class: "stage-message" }, "This browser cannot show 3D (WebGL is off). Everything else works."));
+      this.view3d.append(h("p", { class: "stage-message" }, "This browser cannot show 3D (WebGL is off). Everything else works."));
       return;
     }
     this.viewport.onFrame((what, width, height) => {
@@ -136,7 +138,7 @@ export class Stage {
     this.selection = { hovered: null, selected: null, seam: null };
     if (!this.viewport) return;
     this.result = new ResultObject(model);
-    this.result.setResolution(this.host3d.clientWidth, this.host3d.clientHeight);
+    this.result.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
     this.viewport.root.add(this.result.group);
     if (mesh) this.addOverlay(mesh);
     this.viewport.setUp(up);
@@ -192,7 +194,11 @@ export class Stage {
     const lit = { ...this.selection, seam: this.selection.seam ?? this.hoveredSeam ?? null };
     this.result?.highlight(lit);
     this.flat?.highlight(lit);
-    if (change.selected !== undefined && change.selected !== null) this.flat?.reveal(change.selected);
+    if (change.selected !== undefined && change.selected !== null) {
+      this.flat?.reveal(change.selected);
+      const { only = null } = this.result?.state ?? {};
+      if (only !== null && only !== change.selected) this.pose({ only: change.selected });
+    }
     this.viewport?.draw();
     for (const listener of this.selectionListeners) listener(this.selection);
   }

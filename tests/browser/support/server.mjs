@@ -1,0 +1,63 @@
+// A real server process for the tests of the page: own port, own data folder, its output kept.
+import { spawn } from "node:child_process";
+import { mkdtemp, rm } from "node:fs/promises";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../../..");
+const PROGRAM = process.env.SHEETFORM_PROGRAM ?? path.join(ROOT, "build/release/sheetform");
+
+async function freePort() {
+  const probe = createServer();
+  await new Promise((resolve) => probe.listen(0, "127.0.0.1", resolve));
+  const { port } = probe.address();
+  await new Promise((resolve) => probe.close(resolve));
+  return port;
+}
+
+export class Server {
+  /** Starts the program and resolves when it answers /healthz. */
+  static async start(options = []) {
+    const server = new Server();
+    server.port = await freePort();
+    server.data = await mkdtemp(path.join(tmpdir(), "sheetform-page-"));
+    server.options = options;
+    server.url = `http://127.0.0.1:${server.port}/`;
+    await server.begin();
+    return server;
+  }
+
+  async begin() {
+    this.output = "";
+    this.process = spawn(PROGRAM, ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options], { stdio: ["ignore", "pipe", "pipe"] });
+    this.ended = new Promise((resolve) => this.process.on("exit", resolve));
+    this.process.on("error", (error) => { this.output += `${error}\n`; });
+    for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => { this.output += text; });
+    for (let attempt = 0; attempt < 300; attempt++) {
+      if (this.process.exitCode !== null) break;
+      try {
+        if ((await fetch(`${this.url}healthz`)).ok) return;
+      } catch { /* not yet listening */ }
+      await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+    throw new Error(`${PROGRAM} does not serve:\n${this.output}`);
+  }
+
+  async end(signal = "SIGTERM") {
+    if (this.process.exitCode === null && this.process.signalCode === null) this.process.kill(signal);
+    await this.ended;
+  }
+
+  /** Ends the process and starts it again on the same data. */
+  async restart(signal = "SIGTERM") {
+    await this.end(signal);
+    await this.begin();
+  }
+
+  async stop() {
+    await this.end();
+    await rm(this.data, { recursive: true, force: true });
+  }
+}

@@ -1,0 +1,130 @@
+// The page's picture of a result: parts, seams, folding without stretch, its own measuring of the promises.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { bendColors, hingeRadius } from "../../../web/src/result/bend.js";
+import { countInner, measureSeams, measureStretch, partsThatCross } from "../../../web/src/result/checks.js";
+import { foldPart, hinges } from "../../../web/src/result/fold.js";
+import { labelPlace } from "../../../web/src/result/label_place.js";
+import { colorsOf, parseResult } from "../../../web/src/result/parse_result.js";
+import { gores } from "../support/gores.mjs";
+
+const FRAME = { origin: [5, -3, 2], x: [0, 1, 0], y: [0, 0, 1] };
+
+function model(options) {
+  const { obj, layout } = gores(options);
+  return parseResult(obj, layout);
+}
+
+describe("parsing", () => {
+  const it16 = model({ scale: 2 });
+  it("finds parts, outlines, rulings and seams", () => {
+    assert.equal(it16.parts.length, 16);
+    for (const part of it16.parts) {
+      assert.equal(part.outline.length, 14);  // 7 rows, two sides
+      assert.equal(part.rulings.length / 2, 5);
+      assert.equal(part.seams.length, 4);
+    }
+    assert.equal(it16.seams.filter((seam) => seam.border).length, 16);
+    assert.equal(it16.seams.length, 16 + 16 + 8);
+  });
+  it("measures areas in mm² of the finished object", () => {
+    const once = model({ scale: 1 });
+    it16.parts.forEach((part, k) => assert.ok(Math.abs(part.area / once.parts[k].area - 4) < 1e-9));
+  });
+  it("gives neighbours different colours", () => {
+    const { layout } = it16;
+    for (const { patches: [p, q] } of layout.arches) {
+      if (q !== null) assert.notEqual(it16.colors[it16.partIndex.get(p)], it16.colors[it16.partIndex.get(q)]);
+    }
+    assert.deepEqual(colorsOf(layout), it16.colors);
+  });
+});
+
+describe("folding", () => {
+  const result = model({ scale: 2.5 });
+  const fold = (part, share) => {
+    const out = new Float64Array(result.position.length);
+    foldPart(part, hinges(part, result.position, result.flat), result.position, result.flat, result.scale, share, FRAME, out);
+    return out;
+  };
+  const edges = (part) => Array.from({ length: part.triangles.length }, (_, k) => [part.triangles[k], part.triangles[k % 3 === 2 ? k - 2 : k + 1]]);
+  const length = (p, a, b) => Math.hypot(p[3 * a] - p[3 * b], p[3 * a + 1] - p[3 * b + 1], p[3 * a + 2] - p[3 * b + 2]);
+
+  it("keeps every length at every step", () => {
+    for (const part of result.parts) {
+      for (const share of [0, 0.13, 0.5, 0.9]) {
+        const out = fold(part, share);
+        for (const [a, b] of edges(part)) assert.ok(Math.abs(length(out, a, b) - length(result.position, a, b)) < 1e-9);
+      }
+    }
+  });
+  it("ends in the shape", () => {
+    for (const part of result.parts) {
+      const out = fold(part, 1 - 1e-9);
+      for (let k = 3 * part.begin; k < 3 * part.end; k++) assert.ok(Math.abs(out[k] - result.position[k]) < 1e-5, `${part.label}`);
+    }
+  });
+  it("begins in the layout", () => {
+    for (const part of result.parts) {
+      const out = fold(part, 0);
+      for (let v = part.begin; v < part.end; v++) {
+        for (let axis = 0; axis < 3; axis++) {
+          const wanted = FRAME.origin[axis] + (result.flat[2 * v] * FRAME.x[axis] + result.flat[2 * v + 1] * FRAME.y[axis]) / result.scale;
+          assert.ok(Math.abs(out[3 * v + axis] - wanted) < 1e-9);
+        }
+      }
+    }
+  });
+});
+
+describe("the page's own measuring", () => {
+  it("finds a true result true", () => {
+    const result = model({ scale: 3 });
+    assert.ok(measureStretch(result).share < 1e-12);
+    assert.ok(measureSeams(result) < 1e-9);
+    assert.deepEqual(partsThatCross(result), []);
+    assert.equal(countInner(result), 0);
+  });
+  it("finds a stretched sheet", () => {
+    const result = model();
+    result.flat[0] += 0.01;
+    assert.ok(measureStretch(result).absolute > 0.005);
+    assert.ok(measureSeams(result) > 1e-5);
+  });
+  it("finds a sheet that crosses itself", () => {
+    const result = model();
+    const part = result.parts[3];
+    // Left and right change places in one row: the outline crosses itself.
+    const [a, b] = [2 * part.outline[2], 2 * part.outline[11]];
+    for (const k of [0, 1]) [result.flat[a + k], result.flat[b + k]] = [result.flat[b + k], result.flat[a + k]];
+    assert.deepEqual(partsThatCross(result), [part.label]);
+  });
+});
+
+describe("bending", () => {
+  it("finds the radius of a cylinder", () => {
+    // Hinges of a gore along a circle profile of radius 100 bend with about that radius.
+    const result = model({ rows: 80, height: 120, radius: (t) => 10 + Math.sqrt(100 ** 2 - (120 * t - 60) ** 2) });
+    const part = result.parts[0];
+    const radii = part.inner.map((edge) => hingeRadius(part, edge, result.position, result.flat)).filter(Number.isFinite);
+    const middle = radii.sort((a, b) => a - b)[radii.length >> 1];
+    // The gore's middle line lies inside the circle of its edges by the cosine of half its angle.
+    assert.ok(Math.abs(middle - 100) < 8, String(middle));
+  });
+  it("judges by the material", () => {
+    const result = model();
+    assert.match(bendColors(result, { title: "Paper", radius: 0.001 }).text, /can do that/);
+    assert.match(bendColors(result, { title: "Plank", radius: 1e4 }).text, /times larger/);
+  });
+});
+
+describe("places of labels", () => {
+  it("lie in the middle of a square", () => {
+    const place = labelPlace(Uint32Array.of(0, 1, 2, 3), Float64Array.of(0, 0, 10, 0, 10, 10, 0, 10));
+    assert.ok(Math.hypot(place.x - 5, place.y - 5) < 0.4 && place.room > 4.6);
+  });
+  it("lie inside an L", () => {
+    const place = labelPlace(Uint32Array.of(0, 1, 2, 3, 4, 5), Float64Array.of(0, 0, 10, 0, 10, 2, 2, 2, 2, 10, 0, 10));
+    assert.ok(place.room > 0.8);
+  });
+});
