@@ -49,7 +49,8 @@ class PathSearch {
   /// The cheapest path from a terminal node to another terminal vertex. Empty when there is none within
   /// max_cost.
   Path from_terminal(int node);
-  /// Cost of the walk that the last call of through() found, before cleaning; infinity (kFar) when it found none.
+  /// Cost of the walk that the last call of through() found, before cleaning; infinity (kFar) when it found
+  /// none.
   double last_cost() const { return last_cost_; }
 
  private:

@@ -15,11 +15,6 @@ constexpr double kPi = 3.14159265358979323846;
 
 using Points = std::vector<Vector3>;
 
-Vector3 face_normal(const SurfaceMesh& mesh, const Points& points, int f) {
-  const auto& t = mesh.faces[f];
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
-}
-
 double quality_of(const SurfaceMesh& mesh, int f) {
   const auto& t = mesh.faces[f];
   return radius_ratio(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
@@ -33,28 +28,28 @@ void visit_faces_at(const SurfaceMesh& mesh, int v, const Visit& visit) {
       if (f >= 0) visit(f);
 }
 
-// Vertices that move, with what is needed to take them back.
+// Vertices that move, with what is needed to take them back. The mesh is at rest when they are added.
 struct Region {
   explicit Region(const SurfaceMesh& mesh) : slot(mesh.points.size(), -1) {}
-  void add(const SurfaceMesh& mesh, const Points& rest, int v) {
+  void add(const SurfaceMesh& mesh, int v) {
     slot[v] = static_cast<int>(movable.size());
     movable.push_back(v);
     start.push_back(mesh.points[v]);
     Vector3 sum = Vector3::Zero();
-    visit_faces_at(mesh, v, [&](int f) { sum += face_normal(mesh, rest, f); });
+    visit_faces_at(mesh, v, [&](int f) { sum += mesh.face_normal_raw(f); });
     normal.push_back(sum.normalized());
   }
   std::vector<int> movable;  // mesh vertices
   std::vector<int> slot;     // per mesh vertex: index into movable, -1 for the others
   Points start;              // of `movable`
-  Points normal;             // of `movable`, unit, at rest
+  Points normal;             // of `movable`, unit
 };
 
-// How a face was: it must not get turned over nor thin.
+// How a face is at rest: it must not get turned over nor thin.
 struct FaceState {
   int face;
-  Vector3 normal;  // at rest
-  double quality;  // before
+  Vector3 normal;
+  double quality;
 };
 
 std::vector<std::vector<int>> path_neighbours(const SurfaceMesh& mesh, const std::vector<char>& path_edge) {
@@ -113,13 +108,12 @@ void relax(SurfaceMesh& mesh, const Region& region, std::size_t first) {
   }
 }
 
-// One call of smooth_paths.
+// One call of smooth_paths, on a mesh that is at rest.
 class Smoother {
  public:
   Smoother(SurfaceMesh& mesh, const std::vector<char>& path_edge, const std::vector<char>& fixed_vertex,
            const ClosestPointTree& surface, const SmoothParams& params)
       : mesh_(mesh),
-        rest_(params.rest != nullptr ? *params.rest : mesh.points),
         neighbours_(path_neighbours(mesh, path_edge)),
         fixed_(fixed_vertex),
         surface_(surface),
@@ -127,15 +121,30 @@ class Smoother {
         edge_(mean_edge_length(mesh)),
         region_(mesh) {}
 
-  std::vector<int> run(const RunContext& context) {
+  void run(const RunContext& context) {
     find_goals();
-    if (goals_.empty()) return {};
+    if (goals_.empty()) return;
     add_around();
     remember_faces();
     move(context);
     make_room();
     repair();
-    return moved();
+  }
+
+  // Where the result is as good as at `previous`, keeps that: a new path far away then moves nothing here.
+  void keep_close(const Points& previous) {
+    const double close = params_.min_change * edge_;
+    const Points result = mesh_.points;
+    for (std::size_t v = 0; v < result.size(); ++v)
+      if ((result[v] - previous[v]).norm() < close) mesh_.points[v] = previous[v];
+    for (bool changed = true; changed;) {  // a mixture may be worse than either: then the result counts
+      changed = false;
+      for (const FaceState& state : before_) {
+        if (!is_bad(state)) continue;
+        for (int v : mesh_.faces[state.face])
+          if (mesh_.points[v] != result[v]) mesh_.points[v] = result[v], changed = true;
+      }
+    }
   }
 
  private:
@@ -148,22 +157,22 @@ class Smoother {
     return hit.face >= 0 ? hit.point : otherwise;
   }
 
-  // Where path vertices should go, on the surface. Those that are near enough already are left out.
+  // Where path vertices should go, on the surface. Those that are near enough at rest are left out.
   void find_goals() {
     Region all(mesh_);
     std::vector<PathStencil> stencils;
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
       const std::size_t before = stencils.size();
-      if (is_free(v)) add_stencils(rest_, v, neighbours_[v], stencils);
-      if (stencils.size() > before) all.add(mesh_, rest_, v);
+      if (is_free(v)) add_stencils(mesh_.points, v, neighbours_[v], stencils);
+      if (stencils.size() > before) all.add(mesh_, v);
     }
     if (stencils.empty()) return;
     const double anchor = std::pow(1 - std::cos(2 * kPi / params_.cutoff_edges), 2);
-    const Points places = fair_paths(rest_, all.movable, all.slot, all.normal, stencils, anchor);
+    const Points places = fair_paths(mesh_.points, all.movable, all.slot, all.normal, stencils, anchor);
     for (std::size_t i = 0; i < places.size(); ++i) {
       const Vector3 goal = projected(places[i], all.start[i]);
       if ((goal - all.start[i]).norm() < params_.min_move * edge_) continue;
-      region_.add(mesh_, rest_, all.movable[i]);
+      region_.add(mesh_, all.movable[i]);
       goals_.push_back(goal);
     }
   }
@@ -177,7 +186,7 @@ class Smoother {
         for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e) {
           const int w = mesh_.edges[*e].other(v);
           if (region_.slot[w] >= 0 || !neighbours_[w].empty() || !is_free(w)) continue;
-          region_.add(mesh_, rest_, w);
+          region_.add(mesh_, w);
           next.push_back(w);
         }
       ring = std::move(next);
@@ -189,7 +198,7 @@ class Smoother {
     for (int v : region_.movable) visit_faces_at(mesh_, v, [&](int f) { faces.push_back(f); });
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    for (int f : faces) before_.push_back({f, face_normal(mesh_, rest_, f), quality_of(mesh_, f)});
+    for (int f : faces) before_.push_back({f, mesh_.face_normal_raw(f), quality_of(mesh_, f)});
   }
 
   // Takes the path vertices to their goals in equal parts; the vertices around follow.
@@ -247,16 +256,7 @@ class Smoother {
     }
   }
 
-  std::vector<int> moved() const {
-    std::vector<int> out;
-    for (std::size_t i = 0; i < region_.movable.size(); ++i)
-      if (mesh_.points[region_.movable[i]] != region_.start[i]) out.push_back(region_.movable[i]);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-
   SurfaceMesh& mesh_;
-  const Points rest_;
   const std::vector<std::vector<int>> neighbours_;
   const std::vector<char>& fixed_;
   const ClosestPointTree& surface_;
@@ -279,7 +279,15 @@ double radius_ratio(const Vector3& a, const Vector3& b, const Vector3& c) {
 std::vector<int> smooth_paths(SurfaceMesh& mesh, const std::vector<char>& path_edge,
                               const std::vector<char>& fixed_vertex, const ClosestPointTree& surface,
                               const SmoothParams& params, RunContext& context) {
-  return Smoother(mesh, path_edge, fixed_vertex, surface, params).run(context);
+  const Points previous = mesh.points;
+  if (params.rest != nullptr) mesh.points = *params.rest;
+  Smoother smoother(mesh, path_edge, fixed_vertex, surface, params);
+  smoother.run(context);
+  if (params.rest != nullptr) smoother.keep_close(previous);
+  std::vector<int> moved;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points[v] != previous[v]) moved.push_back(v);
+  return moved;
 }
 
 }  // namespace sheetform

@@ -11,23 +11,23 @@ namespace sheetform {
 
 struct SmoothParams {
   /// Where all vertices of the mesh were before any path was smoothed; null: where they are now. With it the
-  /// result does not depend on how often or in which steps paths were smoothed before: without it loops
-  /// shrink a little with every call.
+  /// result is a function of these places and the paths alone: vertices go back when their path is gone, and
+  /// calling again changes nothing. Without it loops shrink a little with every call.
   const std::vector<Vector3>* rest = nullptr;
-  double cutoff_edges =
-      24;          ///< waves along a path of this many edges are halved, shorter ones go, longer ones stay
-  int rounds = 4;  ///< the way is gone in this many parts, vertices around follow in each
+  /// Waves along a path of this many edges are halved, shorter ones go, longer ones stay.
+  double cutoff_edges = 24;
+  int rounds = 4;            ///< the way is gone in this many parts, vertices around follow in each
   int relax_steps = 2;       ///< tangential Laplacian steps of the vertices around, in a round
   double min_quality = 0.1;  ///< 2 r_in / R_circ that no touched face may fall below
-  double min_move =
-      0.03;  ///< in edges: path vertices nearer to their goal stay, nothing around them is touched
+  double min_move = 0.03;    ///< in edges: path vertices nearer to their goal stay at rest
+  double min_change = 0.01;  ///< in edges, with `rest`: what would change less does not change
 };
 
 /// Moves path vertices to where the paths bend least over the surface (path_fairing.h), and the other
 /// vertices within two rings of moving ones by tangential relaxation; all are put back on `surface`. At
 /// crossings both paths are straightened, T-junctions stay on their straight bar. Border vertices,
 /// `fixed_vertex` and loose ends stay. Guarantee: no face ends up turned over (against its normal at rest) or
-/// with quality below min_quality, except one that was so before, which does not get worse; vertices go back
+/// with quality below min_quality, except one that was so at rest, which does not get worse; vertices go back
 /// towards where they were until that holds. Returns the vertices that moved, ascending. Cost: about 1 ms for
 /// each 100 path vertices.
 std::vector<int> smooth_paths(SurfaceMesh& mesh, const std::vector<char>& path_edge,

@@ -200,6 +200,18 @@ TEST(SmoothPaths, IsRepeatableFromTheRestPositions) {
   EXPECT_EQ(mesh.points, once.points);
 }
 
+TEST(SmoothPaths, VerticesGoBackWhenTheirPathIsGone) {
+  const int n = 16;
+  const SurfaceMesh rest = build(shapes::plane(n, n));
+  SurfaceMesh mesh = rest;
+  SmoothParams params;
+  params.rest = &rest.points;
+  const std::vector<int> there = smooth(mesh, edges_of(mesh, {staircase(n)}), params, &rest);
+  EXPECT_FALSE(there.empty());
+  EXPECT_EQ(smooth(mesh, edges_of(mesh, {}), params, &rest), there);
+  for (int v = 0; v < mesh.vertex_count(); ++v) EXPECT_LT((mesh.points[v] - rest.points[v]).norm(), 0.02);
+}
+
 TEST(SmoothPaths, NeverFlipsNorMakesSlivers) {
   // Crude on purpose: few, large, uneven triangles, all candidate paths at once.
   for (const TriangleSoup& soup :
