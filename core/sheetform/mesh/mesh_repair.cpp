@@ -7,6 +7,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/gluing.h"
+#include "sheetform/mesh/subdivide.h"
 #include "sheetform/mesh/weld.h"
 
 namespace sheetform {
@@ -235,20 +236,6 @@ Middles split_double_edges(const Gluing& g, const std::vector<int>& vertex, std:
   return middles;
 }
 
-// One face with up to three middles on its sides, as one to four faces.
-std::vector<std::array<int, 3>> pieces(std::array<int, 3> v, std::array<int, 3> m) {
-  const int count = (m[0] >= 0) + (m[1] >= 0) + (m[2] >= 0);
-  if (count == 0) return {v};
-  if (count == 3) return {{v[0], m[0], m[2]}, {m[0], v[1], m[1]}, {m[1], v[2], m[2]}, {m[0], m[1], m[2]}};
-  // Turn the face so that the first side has a middle and, of two, the second one has the other.
-  while (m[0] < 0 || (count == 2 && m[1] < 0)) {
-    std::rotate(v.begin(), v.begin() + 1, v.end());
-    std::rotate(m.begin(), m.begin() + 1, m.end());
-  }
-  if (count == 1) return {{m[0], v[1], v[2]}, {m[0], v[2], v[0]}};
-  return {{m[0], v[1], m[1]}, {v[0], m[0], m[1]}, {v[0], m[1], v[2]}};
-}
-
 RepairResult assembled(Work& work, const Gluing& g) {
   RepairResult result;
   std::vector<int> origin;
@@ -263,8 +250,8 @@ RepairResult assembled(Work& work, const Gluing& g) {
   std::vector<std::array<int, 3>> faces;
   for (int f = 0; f < static_cast<int>(work.soup.faces.size()); ++f) {
     const int s = 3 * f;
-    for (auto piece : pieces({vertex[s], vertex[s + 1], vertex[s + 2]},
-                             {middles.of_side[s], middles.of_side[s + 1], middles.of_side[s + 2]})) {
+    for (auto piece : face_pieces({vertex[s], vertex[s + 1], vertex[s + 2]},
+                                  {middles.of_side[s], middles.of_side[s + 1], middles.of_side[s + 2]})) {
       if (g.turned[f]) std::swap(piece[1], piece[2]);
       faces.push_back(piece);
       result.face_origin.push_back(work.face_origin[f]);

@@ -1,0 +1,25 @@
+// Creases and borders as polylines between corners: what remeshing must keep. Internal to mesh/.
+#pragma once
+#include <vector>
+
+#include "sheetform/mesh/closest_point.h"
+#include "sheetform/mesh/surface_mesh.h"
+
+namespace sheetform {
+
+struct FeatureLines {
+  std::vector<int> edge_line;  ///< of each edge: its line, -1 for none
+  std::vector<char> corner;    ///< of each vertex: a line ends or turns sharply here; it has to stay
+  int count = 0;
+
+  /// Nearest point of line `line`, or `query` itself when that line is not the nearest one.
+  Vector3 project(int line, const Vector3& query) const;
+
+  ClosestPointTree tree;          // of all segments, as triangles without area
+  std::vector<int> segment_line;  // of each triangle of `tree`
+};
+
+/// scale: bends are judged over this distance, so that jags that are finer do not count as corners.
+FeatureLines feature_lines(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, double scale);
+
+}  // namespace sheetform

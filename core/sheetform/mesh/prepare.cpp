@@ -1,0 +1,98 @@
+#include "sheetform/mesh/prepare.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sheetform/base/error.h"
+#include "sheetform/mesh/feature_lines.h"
+#include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/mesh/remesher.h"
+#include "sheetform/mesh/subdivide.h"
+
+namespace sheetform {
+namespace {
+
+constexpr double kMostVariation = 0.35;  // standard deviation / mean of edge lengths
+constexpr double kLeastAngle = 10;       // degrees: of all but the worst percent of triangles
+constexpr double kMostLong = 4;          // longest edge / mean edge
+constexpr double kBend = 0.5;            // of the wanted length: over this much a line's bends are judged
+constexpr int kMostSweeps = 20, kMostVertices = 200'000;  // of the fallback
+
+double least_angle(const SurfaceMesh& mesh, int f) {
+  double least = 180;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3& a = mesh.points[mesh.faces[f][k]];
+    const Vector3 b = mesh.points[mesh.faces[f][(k + 1) % 3]] - a,
+                  c = mesh.points[mesh.faces[f][(k + 2) % 3]] - a;
+    least = std::min(least, std::atan2(b.cross(c).norm(), b.dot(c)) * 180 / M_PI);
+  }
+  return least;
+}
+
+int euler(const SurfaceMesh& m) { return m.vertex_count() - m.edge_count() + m.face_count(); }
+
+bool same_topology(const SurfaceMesh& a, const SurfaceMesh& b) {
+  return euler(a) == euler(b) && count_border_loops(a) == count_border_loops(b) &&
+         face_components(a).second == face_components(b).second;
+}
+
+// The input with a vertex in the middle of every edge that is too long, again and again.
+PreparedMesh split_only(const SurfaceMesh& input, const std::vector<char>& crease_edge, double length,
+                        const RunContext& context) {
+  PreparedMesh result{input, crease_edge, false};
+  result.crease_edge.resize(input.edges.size(), 0);
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    context.checkpoint();
+    std::vector<EdgePoint> middles;
+    for (int e = 0; e < result.mesh.edge_count(); ++e) {
+      const auto& edge = result.mesh.edges[e];
+      if (result.mesh.edge_length(e) > 1.5 * length)
+        middles.push_back({e, (result.mesh.points[edge.v0] + result.mesh.points[edge.v1]) / 2});
+    }
+    if (middles.empty() || result.mesh.points.size() + middles.size() > kMostVertices) break;
+    Subdivision finer = insert_vertices(result.mesh, result.crease_edge, middles);
+    result.mesh = std::move(finer.mesh);
+    result.crease_edge = std::move(finer.crease_edge);
+  }
+  return result;
+}
+
+}  // namespace
+
+bool uniform_enough(const SurfaceMesh& mesh) {
+  if (mesh.edges.empty()) return true;
+  const double mean = mean_edge_length(mesh);
+  double variance = 0, longest = 0;
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    const double length = mesh.edge_length(e);
+    variance += (length - mean) * (length - mean) / mesh.edge_count();
+    longest = std::max(longest, length);
+  }
+  int thin = 0;
+  for (int f = 0; f < mesh.face_count(); ++f) thin += least_angle(mesh, f) < kLeastAngle;
+  return std::sqrt(variance) <= kMostVariation * mean && longest <= kMostLong * mean &&
+         100 * thin <= mesh.face_count();
+}
+
+double edge_length_for(const SurfaceMesh& mesh, int faces) {
+  return std::sqrt(surface_area(mesh) / (std::max(1, faces) * std::sqrt(3.0) / 4));
+}
+
+PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
+                     double target_edge_length, const RunContext& context) {
+  try {
+    const FeatureLines lines = feature_lines(input, crease_edge, kBend * target_edge_length);
+    Remesher remesher(input, lines, target_edge_length, context);
+    remesher.run();
+    PreparedMesh result;
+    result.mesh = remesher.result(result.crease_edge);
+    result.remeshed = true;
+    if (same_topology(input, result.mesh)) return result;
+  } catch (const Error& e) {
+    // Not built or not manifold: the fallback below. Being stopped is for the caller.
+    if (e.code() == ErrorCode::kCancelled || e.code() == ErrorCode::kDeadlineExceeded) throw;
+  }
+  return split_only(input, crease_edge, target_edge_length, context);
+}
+
+}  // namespace sheetform

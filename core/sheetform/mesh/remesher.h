@@ -1,0 +1,71 @@
+// Isotropic remeshing with kept lines. Internal to mesh/; see prepare.h.
+#pragma once
+#include <vector>
+
+#include "sheetform/base/run_context.h"
+#include "sheetform/mesh/closest_point.h"
+#include "sheetform/mesh/feature_lines.h"
+#include "sheetform/mesh/halfedge_mesh.h"
+
+namespace sheetform {
+
+/// One remeshing: construct, run, take the result. Throws Error kInternal when the half-edge kernel refuses
+/// the input.
+class Remesher {
+ public:
+  Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context);
+  void run();
+  /// The mesh, and for each of its edges whether it lies on a line inside (a crease).
+  SurfaceMesh result(std::vector<char>& crease_edge) const;
+
+ private:
+  using Vertex = OpenMesh::VertexHandle;
+  using Edge = OpenMesh::EdgeHandle;
+  using Half = OpenMesh::HalfedgeHandle;
+  using Face = OpenMesh::FaceHandle;
+  enum Kind : char { kFree, kOnLine, kCorner };
+
+  void load(const SurfaceMesh& input);
+  void split_long();
+  void collapse_short(bool first);
+  void flip_edges();
+  void relax();
+
+  bool is_chord(Edge e) const;
+  double longest_allowed(Edge e) const;
+  void split(Edge e);
+  Half best_collapse(Edge e, bool first);
+  bool may_collapse(Half h, double most_length);
+  bool keeps_lines(Half h) const;
+  bool keeps_shape(Half h, double most_length) const;
+  void collapse(Half h);
+  bool should_flip(Edge e) const;
+  void move_free(Vertex v);
+  void move_on_line(Vertex v);
+  bool move(Vertex v, const Vector3& to);
+
+  Vertex add_vertex(const Vector3& p, Kind kind);
+  const Vector3& point(Vertex v) const { return points_[static_cast<std::size_t>(v.idx())]; }
+  double length_of(Edge e) const;
+  Vector3 raw_normal(Face f) const;
+  Vector3 vertex_normal(Vertex v) const;
+  Vector3 on_surface(const Vector3& p, const Vector3& normal) const;
+  int& line(Edge e) { return edge_line_[static_cast<std::size_t>(e.idx())]; }
+  int line(Edge e) const { return edge_line_[static_cast<std::size_t>(e.idx())]; }
+  Kind kind(Vertex v) const { return kinds_[static_cast<std::size_t>(v.idx())]; }
+  void pause();  // lets the run be stopped, every so many operations
+
+  HalfedgeMesh mesh_;
+  std::vector<Vector3> points_;
+  const SurfaceMesh& input_;
+  const FeatureLines& lines_;
+  const ClosestPointTree surface_;
+  const double length_;
+  const RunContext& context_;
+  std::vector<int> edge_line_;
+  std::vector<Kind> kinds_;
+  int operations_ = 0;
+  int most_vertices_ = 0;
+};
+
+}  // namespace sheetform
