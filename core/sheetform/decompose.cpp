@@ -1,6 +1,7 @@
 #include "sheetform/decompose.h"
 
 #include <chrono>
+#include <algorithm>
 #include <cmath>
 
 #include "sheetform/search/finish.h"
@@ -49,6 +50,9 @@ EvaluationParams evaluation_params(const DecomposeParams& params, double e_max) 
   e.max_sides = params.max_sides;
   e.self_seams = params.self_seams;
   e.t_junctions = params.t_junctions;
+  auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };
+  e.morph.rounds = (int)env("ROUNDS", e.morph.rounds); e.morph.slide = env("SLIDE", e.morph.slide); e.morph.smooth = env("SMOOTHW", e.morph.smooth);
+  e.ruling.align_weight = env("ALIGN", e.ruling.align_weight); e.ruling.twist_weight = env("TWIST", e.ruling.twist_weight); e.e_max *= env("EFRAC", 1); e.spacing = env("SPACING", e.spacing); e.corner_turn = env("TURN", e.corner_turn);
   return e;
 }
 
@@ -69,19 +73,23 @@ StripMesh decompose_component(const SurfaceMesh& mesh, const std::vector<char>& 
   surface.input = &tree;
   PathNetwork network = bare_network(mesh);
   SearchParams search_params;
-  search_params.evaluation = evaluation_params(params, 0.95 * e_max);
+  search_params.evaluation = evaluation_params(params, 0.95 * e_max); search_params.lawson_rounds = search_params.evaluation.morph.rounds;
   LayoutSearch search(surface, std::move(network), graph, std::move(candidates), search_params, context);
   search.insert();
   report.notes.push_back("inserted: " + std::to_string(search.layout().patches.size()) + " patches, failing " + std::to_string(search.evaluation().failing));
+  for (std::size_t i=0;i<search.evaluation().patches.size();++i) { auto& pe=*search.evaluation().patches[i]; if (!pe.viable() || search.evaluation().patch_error[i]>search_params.evaluation.e_max) report.notes.push_back(std::string("fail ")+to_string(pe.verdict)+" faces "+std::to_string(search.layout().patches[i].faces.size())+" corners "+std::to_string(pe.corners.size())+" err "+std::to_string(pe.error)+" global "+std::to_string(search.evaluation().patch_error[i])+" m "+std::to_string(pe.polygon.size())+" defect "+std::to_string((int)search.layout().patches[i].defect)); }
   laps.lap("insert");
   search.remove_paths();
   report.notes.push_back("paths removed: " + std::to_string(search.layout().patches.size()));
   if (params.t_junctions) search.remove_arches();
   report.notes.push_back("arches removed: " + std::to_string(search.layout().patches.size()));
   laps.lap("remove");
+  if (const char* tries = std::getenv("TRIES")) { int k = search.improve(std::atoi(tries), 1); report.notes.push_back("improved " + std::to_string(k) + ": " + std::to_string(search.layout().patches.size())); }
+  if (std::getenv("DIAG")) for (auto& l : search.diagnose()) report.notes.push_back(l);
+  laps.lap("improve");
   StripMesh best;
   for (int attempt = 0; attempt < 12; ++attempt) {
-    search.smooth(5);
+    search.smooth();
     EvaluationParams fine = evaluation_params(params, 0.95 * e_max);
     fine.spacing = 0.015;
     const FinishedLayout finished = finish_layout(surface, search.network().network(), search.layout(), fine, 8, context);
@@ -93,7 +101,7 @@ StripMesh decompose_component(const SurfaceMesh& mesh, const std::vector<char>& 
     }
     best = assemble_strips(finished.source);
     const DistanceReport d = measure_distance(reference, tree, best, 4000, context);
-    report.notes.push_back("final pass: " + std::to_string(best.patches.size()) + " patches, distance " + std::to_string(d.hausdorff()));
+    report.notes.push_back("final pass: " + std::to_string(best.patches.size()) + " patches, distance " + std::to_string(d.input_to_result) + " back " + std::to_string(d.result_to_input) + " own " + std::to_string(*std::max_element(finished.patch_error.begin(), finished.patch_error.end())) + " search " + std::to_string(search.evaluation().max_error));
     std::vector<int> bad;
     for (int p = 0; p < static_cast<int>(best.patches.size()); ++p)
       if (d.patch_error[p] > e_max) bad.push_back(p);

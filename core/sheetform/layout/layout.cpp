@@ -120,6 +120,7 @@ class Extractor {
       if (v == start || out_.node[v]) break;
       e = next_edge(v, e);
     }
+    arch.key = static_cast<std::uint64_t>(arch.path);  // corners depend on which paths meet
     for (int w : arch.vertices) arch.key = mix(arch.key, (static_cast<std::uint64_t>(w) << 32) ^ static_cast<unsigned>(versions_[w]));
   }
 

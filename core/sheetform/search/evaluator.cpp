@@ -20,15 +20,18 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
   return {1 - v - w, v, w};
 }
 
-// Nodes where the outline turns by more than `turn` degrees, measured over about a spacing on either side.
-std::vector<int> find_corners(const PatchPolygon& polygon, double turn, bool every_node) {
+// Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one path.
+std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon, double turn, bool every_node) {
   std::vector<int> corners;
   const int n = polygon.size();
   for (int i = 0; i < n; ++i) {
     if (!polygon.node[i]) continue;
-    const Vector2 in = polygon.uv[i] - polygon.uv[(i + n - 1) % n], out = polygon.uv[(i + 1) % n] - polygon.uv[i];
-    const double angle = std::atan2(cross(in, out), in.dot(out));
-    if (every_node || std::abs(angle) > turn * kDegree) corners.push_back(i);
+    const int before = (i + n - 1) % n;
+    const Vector2 in = polygon.uv[i] - polygon.uv[before], out = polygon.uv[(i + 1) % n] - polygon.uv[i];
+    const double angle = std::abs(std::atan2(cross(in, out), in.dot(out)));
+    const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
+    const double limit = path(i) != path(before) ? turn : std::max(turn, 50.0);
+    if (every_node || angle > limit * kDegree) corners.push_back(i);
   }
   return corners;
 }
@@ -66,21 +69,26 @@ int nearest_cell(const std::vector<int>& cells, const ChartRaster& raster, const
   return -1;
 }
 
-void chord_samples(const ChartRaster& raster, PatchEvaluation& e) {
+// Both ends of every chord count too: outline points that were free of data would overshoot.
+void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
+  auto add = [&](int a, int b, double t, double weight) {
+    const Vector2 u = (1 - t) * e.polygon.uv[a] + t * e.polygon.uv[b];
+    const int triangle = raster.triangle_at(u);
+    if (triangle < 0) return;
+    MorphSample s;
+    s.unknown = {a, b, a};
+    s.coefficient = {1 - t, t, 0};
+    s.target = t == 0 ? e.polygon.point[a] : t == 1 ? e.polygon.point[b] : raster.lift(triangle, u);
+    s.normal = raster.normal(triangle);
+    s.weight = weight;
+    e.samples.push_back(s);
+  };
   for (const auto& chord : e.rulings.chords)
     for (int k = 0; k < kChordSamples; ++k) {
-      const double t = (k + 0.5) / kChordSamples;
-      const Vector2 u = (1 - t) * e.polygon.uv[chord.a] + t * e.polygon.uv[chord.b];
-      const int triangle = raster.triangle_at(u);
-      if (triangle < 0) continue;
-      MorphSample s;
-      s.unknown = {chord.a, chord.b, chord.a};
-      s.coefficient = {1 - t, t, 0};
-      s.target = raster.lift(triangle, u);
-      s.normal = raster.normal(triangle);
-      s.weight = std::max(chord.area, 1e-9) / kChordSamples;
-      e.samples.push_back(s);
+      const double share = (k == 0 || k == kChordSamples - 1 ? 0.5 : 1.0) / (kChordSamples - 1);
+      add(chord.a, chord.b, static_cast<double>(k) / (kChordSamples - 1), std::max(chord.area, 1e-9) * share);
     }
+  for (int i = 0; i < e.polygon.size(); ++i) add(i, i, 0, 0.02 * area / e.polygon.size());
 }
 
 // Every vertex of the patch against the strip triangle above it: bulges and tips outside of all rulings are seen.
@@ -138,11 +146,11 @@ double point_triangle2(const Vector3& p, const Vector3& a, const Vector3& b, con
   return (ap - ab * (vb / sum) - ac * (vc / sum)).squaredNorm();
 }
 
-// From a surface point to the strips near the triangle that should cover it.
+// From a surface point to the strips of its patch.
 double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& triangles, const std::vector<Vector3>& position) {
   const int n = static_cast<int>(triangles.size());
   double best = (s.at(position) - s.target).squaredNorm();
-  for (int t = std::max(0, s.patch - 8); t <= std::min(n - 1, s.patch + 8); ++t)
+  for (int t = 0; t < n; ++t)
     best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]], position[triangles[t][2]]));
   return std::sqrt(best);
 }
@@ -171,7 +179,9 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
     double d = (x - s.target).norm();
     if (d > limit) {
       if (s.weight > 0) {
-        d = std::sqrt(input.closest(x, d * d * 1.0001).squared_distance);
+        // The target lies on the working mesh, the input is a little off: hence the slack.
+        const ClosestPoint hit = input.closest(x, (d + 2e-3) * (d + 2e-3));
+        if (hit.face >= 0) d = std::min(d, std::sqrt(hit.squared_distance));
       } else {
         d = to_strips(s, triangles, position);
       }
@@ -217,7 +227,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty()) samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
-  e->corners = find_corners(e->polygon, params_.corner_turn, !params_.t_junctions);
+  e->corners = find_corners(layout, patch, e->polygon, params_.corner_turn, !params_.t_junctions);
   if (static_cast<int>(e->corners.size()) > params_.max_sides) return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 3000);
@@ -225,7 +235,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   ruling.e_max = params_.e_max;
   e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
-  chord_samples(raster, *e);
+  chord_samples(raster, patch.area, *e);
   coverage_samples(surface_, raster, *e);
 
   // The patch alone: every outline point is free.

@@ -19,13 +19,15 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
     : surface_(surface),
       network_(surface.mesh, std::move(start)),
       graph_(graph),
-      candidates_(std::move(candidates)),
+      candidates_(candidates),
+      pool_(std::move(candidates)),
       params_(params),
       context_(context),
       distance_(graph, 1.0),
       evaluator_(surface_, params_.evaluation, context),
       rules_{params.evaluation.self_seams},
-      edge_length_(mean_edge_length(surface.mesh)) {}
+      edge_length_(mean_edge_length(surface.mesh)),
+      rest_(surface.mesh.points) {}
 
 const PatchLayout& LayoutSearch::layout() {
   if (!layout_valid_) layout_ = extract_layout(surface_.mesh, network_.network(), surface_.versions, rules_);
@@ -147,30 +149,42 @@ void LayoutSearch::insert() {
     if (bad.empty()) break;
     if (!insert_best(bad) && split(bad, PatchVerdict::kTooManySides) == 0) break;
   }
-  smooth(5);
+  // Smoothing shifts the outlines a little, so what fitted before is looked at again.
+  for (int pass = 0; pass < 4; ++pass) {
+    smooth();
+    if (insert_for_geometry() == 0) break;
+  }
+}
+
+// Patches that break a rule alone, or, when none does, in the global morph.
+std::vector<int> LayoutSearch::geometrically_bad() {
+  std::vector<int> bad;
+  const auto evaluations = evaluator_.patches(layout());
+  for (int p = 0; p < static_cast<int>(evaluations.size()); ++p)
+    if (!evaluations[p]->viable()) bad.push_back(p);
+  if (!bad.empty()) return bad;
+  const LayoutEvaluation& e = evaluation();
+  for (int p = 0; p < static_cast<int>(e.patch_error.size()); ++p)
+    if (e.patch_error[p] > params_.evaluation.e_max) bad.push_back(p);
+  return bad;
+}
+
+// Returns the number of rounds in which something was inserted.
+int LayoutSearch::insert_for_geometry() {
   int last_failing = 1 << 30, stuck = 0;
   for (int round = 0; round < 60; ++round) {
     context_.report(Stage::kInsert, 0.3 + 0.7 * round / (round + 6.0));
-    layout();
-    std::vector<int> bad;
-    const auto evaluations = evaluator_.patches(layout_);
-    for (int p = 0; p < static_cast<int>(evaluations.size()); ++p)
-      if (!evaluations[p]->viable()) bad.push_back(p);
-    if (bad.empty()) {
-      const LayoutEvaluation& e = evaluation();
-      for (int p = 0; p < static_cast<int>(e.patch_error.size()); ++p)
-        if (e.patch_error[p] > params_.evaluation.e_max) bad.push_back(p);
-    }
-    if (bad.empty()) break;
+    const std::vector<int> bad = geometrically_bad();
+    if (bad.empty()) return round;
     stuck = static_cast<int>(bad.size()) < last_failing ? 0 : stuck + 1;
     last_failing = static_cast<int>(bad.size());
     if (stuck < 8 && insert_best(bad)) continue;
-    if (split(bad, PatchVerdict::kError) == 0) break;
+    if (split(bad, PatchVerdict::kError) == 0) return round;
   }
-  smooth(5);
+  return 60;
 }
 
-void LayoutSearch::smooth(int rounds) {
+void LayoutSearch::smooth() {
   std::vector<char> path_edge(surface_.mesh.edges.size(), 0), fixed(surface_.mesh.points.size(), 0);
   const PathNetwork& net = network_.network();
   for (int e = 0; e < surface_.mesh.edge_count(); ++e) {
@@ -181,7 +195,7 @@ void LayoutSearch::smooth(int rounds) {
     if (kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry) fixed[edge.v0] = fixed[edge.v1] = 1;
   }
   SmoothParams params;
-  params.rounds = rounds;
+  params.rest = &rest_;
   for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_)) ++surface_.versions[v];
   changed();
 }
@@ -215,6 +229,38 @@ bool LayoutSearch::no_worse(const LayoutEvaluation& before, const PatchLayout& l
          after.max_error <= std::max(before.max_error, params_.evaluation.e_max);
 }
 
+// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no corner.
+void LayoutSearch::join_straight(const std::vector<int>& removed) {
+  const PathNetwork& net = network_.network();
+  for (int e : removed)
+    for (int v : {surface_.mesh.edges[e].v0, surface_.mesh.edges[e].v1}) {
+      std::vector<int> at;
+      for (const int* r = surface_.mesh.ring_begin_of(v); r != surface_.mesh.ring_end_of(v); ++r)
+        if (net.used(*r)) at.push_back(*r);
+      if (at.size() != 2 || net.edge_path[at[0]] == net.edge_path[at[1]]) continue;
+      const auto movable = [&](int edge) {
+        const PathKind kind = net.kinds[net.edge_path[edge]];
+        return kind == PathKind::kTraced || kind == PathKind::kCut;
+      };
+      if (!movable(at[0]) || !movable(at[1])) continue;
+      layout();
+      const Vector3 a = arch_direction(at[0], v), b = arch_direction(at[1], v);
+      if (a.dot(b) > -std::cos(50 * 3.14159265358979 / 180)) continue;
+      const std::vector<int>& edges = layout_.arches[layout_.edge_arch[at[1]]].edges;
+      network_.restore_edges(edges, std::vector<int>(edges.size(), net.edge_path[at[0]]));
+      changed();
+    }
+}
+
+// Direction in which the arch over this edge leaves vertex v, over a few edges.
+Vector3 LayoutSearch::arch_direction(int edge, int v) const {
+  const Arch& arch = layout_.arches[layout_.edge_arch[edge]];
+  const int n = static_cast<int>(arch.vertices.size());
+  const bool forward = arch.vertices.front() == v && arch.edges.front() == edge;
+  const int reach = std::min(n - 1, 4);
+  return (surface_.mesh.points[arch.vertices[forward ? reach : n - 1 - reach]] - surface_.mesh.points[v]).normalized();
+}
+
 bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   if (edges.empty() || network_.leaves_loose_end(edges)) return false;
   const PatchLayout before = layout();
@@ -225,7 +271,10 @@ bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   changed();
   bool keep = changed_patches_viable(before, layout());
   if (keep) keep = no_worse(evaluation_before, before, evaluation(), layout_);
-  if (keep) return true;
+  if (keep) {
+    join_straight(edges);
+    return true;
+  }
   network_.restore_edges(edges, paths);
   layout_ = before, evaluation_ = evaluation_before;
   layout_valid_ = evaluation_valid_ = true;
@@ -245,31 +294,192 @@ void LayoutSearch::remove_paths() {
   }
 }
 
+// Frees the edges, and the loose ends that this leaves; empty when a loose end may not go.
+std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges) const {
+  const PathNetwork& net = network_.network();
+  std::unordered_set<int> gone(edges.begin(), edges.end());
+  auto remaining = [&](int v) {
+    std::pair<int, int> degree_and_edge{0, -1};
+    for (const int* e = surface_.mesh.ring_begin_of(v); e != surface_.mesh.ring_end_of(v); ++e)
+      if (net.used(*e) && !gone.count(*e)) ++degree_and_edge.first, degree_and_edge.second = *e;
+    return degree_and_edge;
+  };
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (int v : {surface_.mesh.edges[edges[i]].v0, surface_.mesh.edges[edges[i]].v1}) {
+      const auto [degree, e] = remaining(v);
+      if (degree != 1) continue;
+      const PathKind kind = net.kinds[net.edge_path[e]];
+      if (kind != PathKind::kTraced && kind != PathKind::kCut) return {};
+      edges.push_back(e);
+      gone.insert(e);
+    }
+  return edges;
+}
+
+// What becomes of the layout when the arch goes: the value of the merge, negative when it is not viable. Thread-safe.
+double LayoutSearch::merge_value(const PatchLayout& now, int arch) {
+  const std::vector<int> edges = with_loose_ends(now.arches[arch].edges);
+  if (edges.empty()) return -1;
+  PathNetwork trial = network_.network();
+  double length = 0;
+  for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
+  const PatchLayout after = extract_layout(surface_.mesh, trial, surface_.versions, rules_);
+  std::vector<int> fresh;
+  for (int p = 0; p < static_cast<int>(after.patches.size()); ++p)
+    if (!std::binary_search(known_.begin(), known_.end(), after.patches[p].key)) fresh.push_back(p);
+  for (int p : fresh)
+    if (after.patches[p].defect != TopologyDefect::kNone) return -1;
+  double worst = 0;
+  int sides = 0;
+  for (int p : fresh) {
+    const auto e = evaluator_.patch(after, p);
+    if (!e->viable()) return -1;
+    worst = std::max(worst, e->error / params_.evaluation.e_max);
+    sides = std::max(sides, static_cast<int>(e->corners.size()));
+  }
+  const double side_factor = sides <= 4 ? 1.0 : sides == 5 ? 0.8 : 0.6;
+  const double removed = static_cast<double>(now.patches.size() - after.patches.size());
+  return (length + 0.15 * removed) * (1.05 - worst * worst) * side_factor;
+}
+
+void LayoutSearch::remember_patches(const PatchLayout& now) {
+  known_.clear();
+  for (const Patch& p : now.patches) known_.push_back(p.key);
+  std::sort(known_.begin(), known_.end());
+}
+
+std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const PatchLayout& now) const {
+  std::vector<std::pair<std::uint64_t, int>> arches;
+  for (int a = 0; a < static_cast<int>(now.arches.size()); ++a) {
+    const Arch& arch = now.arches[a];
+    const PathKind kind = network_.network().kinds[arch.path];
+    if (arch.left < 0 || arch.right < 0 || arch.path == kept_path_ || (kind != PathKind::kTraced && kind != PathKind::kCut)) continue;
+    std::uint64_t left = now.patches[arch.left].key, right = now.patches[arch.right].key;
+    arches.emplace_back(combine(arch.key, combine(std::min(left, right), std::max(left, right))), a);
+  }
+  return arches;
+}
+
 void LayoutSearch::remove_arches() {
-  for (bool removed = true; removed;) {
-    removed = false;
+  while (true) {
     const PatchLayout now = layout();
-    std::vector<std::pair<double, int>> order;
-    for (int a = 0; a < static_cast<int>(now.arches.size()); ++a) {
-      const Arch& arch = now.arches[a];
-      const PathKind kind = network_.network().kinds[arch.path];
-      if (arch.left < 0 || arch.right < 0 || (kind != PathKind::kTraced && kind != PathKind::kCut)) continue;
-      const double smaller = std::min(now.patches[arch.left].area, now.patches[arch.right].area);
-      order.emplace_back(smaller - 1e-3 * arch.length, a);
+    remember_patches(now);
+    const auto arches = removable_arches(now);
+    std::vector<int> fresh;
+    for (const auto& [key, a] : arches)
+      if (!merge_values_.count(key)) fresh.push_back(a);
+    std::vector<double> values(now.arches.size(), -1);
+    parallel_for(context_, static_cast<int>(fresh.size()), [&](int i) { values[fresh[i]] = merge_value(now, fresh[i]); });
+    std::vector<std::pair<double, std::pair<std::uint64_t, int>>> order;
+    for (const auto& [key, a] : arches) {
+      const auto it = merge_values_.emplace(key, values[a]).first;
+      if (it->second > 0) order.push_back({-it->second, {key, a}});
     }
     std::sort(order.begin(), order.end());
-    for (const auto& [value, a] : order) {
-      const Arch& arch = now.arches[a];
-      const std::uint64_t key = combine(arch.key, combine(now.patches[arch.left].key, now.patches[arch.right].key));
-      if (rejected_.count(key)) continue;
+    bool removed = false;
+    for (const auto& [value, which] : order) {
       context_.report(Stage::kRemove, 0.7);
-      if (try_remove(arch.edges)) {
-        removed = true;
-        break;
-      }
-      rejected_.insert(key);
+      if ((removed = try_remove(with_loose_ends(now.arches[which.second].edges)))) break;
+      merge_values_[which.first] = -1;
+    }
+    if (!removed) return;
+  }
+}
+
+// Parts first, then the length of the cuts.
+double LayoutSearch::objective() {
+  double length = 0;
+  for (const Arch& a : layout().arches)
+    if (a.left >= 0 && a.right >= 0) length += a.length;
+  return static_cast<double>(layout_.patches.size()) + 0.08 * length;
+}
+
+// The stretch of a path inside one patch, from outline to outline; empty when the path does not cross it.
+std::vector<int> LayoutSearch::stretch_inside(const Path& path, int patch) const {
+  const std::vector<int> edges = network_.path_edges(path);
+  const int n = static_cast<int>(edges.size()), m = static_cast<int>(path.vertices.size());
+  auto inside = [&](int i) {
+    const auto& edge = surface_.mesh.edges[edges[i]];
+    return layout_.edge_arch[edges[i]] < 0 && layout_.face_patch[edge.f0] == patch;
+  };
+  auto on_network = [&](int i) { return network_degree(surface_.mesh, network_.network(), path.vertices[i % m]) > 0; };
+  for (int start = 0; start < n; ++start) {
+    if (!inside(start) || !on_network(start)) continue;
+    std::vector<int> run;
+    for (int i = start; i < start + n; ++i) {
+      if (!path.loop && i >= n) return {};
+      if (!inside(i % n)) return {};
+      run.push_back(edges[i % n]);
+      if (on_network(path.loop ? (i + 1) % m : i + 1)) return run;
     }
   }
+  return {};
+}
+
+bool LayoutSearch::try_improve(const Path& path, int patch) {
+  const std::vector<int> run = stretch_inside(path, patch);
+  if (run.size() < 3) return false;
+  const EditableNetwork network_before = network_;
+  const PatchLayout layout_before = layout();
+  const LayoutEvaluation evaluation_before = evaluation();
+  const double before = objective();
+  kept_path_ = network_.insert_edges(run, PathKind::kCut);
+  changed();
+  bool good = changed_patches_viable(layout_before, layout()) && no_worse(evaluation_before, layout_before, evaluation(), layout_);
+  if (good) {
+    remove_arches();
+    kept_path_ = -1;
+    good = objective() < before - 1e-9;
+  }
+  kept_path_ = -1;
+  if (good) return true;
+  network_ = network_before, layout_ = layout_before, evaluation_ = evaluation_before;
+  layout_valid_ = evaluation_valid_ = true;
+  return false;
+}
+
+int LayoutSearch::improve(int tries, std::uint64_t seed) {
+  int improved = 0;
+  std::uint64_t state = seed * 6364136223846793005ull + 1442695040888963407ull;
+  auto random = [&](std::size_t n) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<std::size_t>((state >> 33) % n);
+  };
+  if (pool_.empty()) return 0;
+  for (int t = 0; t < tries; ++t) {
+    context_.report(Stage::kRemove, 0.7 + 0.3 * t / tries);
+    const std::size_t patch = random(layout().patches.size()), first = random(pool_.size());
+    for (std::size_t k = 0; k < pool_.size(); ++k) {
+      const Path& path = pool_[(first + k) % pool_.size()];
+      if (stretch_inside(path, static_cast<int>(patch)).size() < 3) continue;
+      improved += try_improve(path, static_cast<int>(patch));
+      break;
+    }
+  }
+  return improved;
+}
+
+std::vector<std::string> LayoutSearch::diagnose() {
+  std::vector<std::string> out;
+  const PatchLayout now = layout();
+  remember_patches(now);
+  for (const auto& [key, arch] : removable_arches(now)) {
+    (void)key;
+    std::string line = "arch " + std::to_string(arch) + " L " + std::to_string(now.arches[arch].length).substr(0,5) + " between " + std::to_string(now.arches[arch].left) + "," + std::to_string(now.arches[arch].right);
+    const std::vector<int> edges = with_loose_ends(now.arches[arch].edges);
+    if (edges.empty()) { out.push_back(line + " loose"); continue; }
+    if (edges.size() != now.arches[arch].edges.size()) line += " (extended)";
+    PathNetwork trial = network_.network();
+    for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
+    const PatchLayout after = extract_layout(surface_.mesh, trial, surface_.versions, rules_);
+    for (int p = 0; p < static_cast<int>(after.patches.size()); ++p)
+      if (!std::binary_search(known_.begin(), known_.end(), after.patches[p].key)) {
+        const auto e = evaluator_.patch(after, p);
+        line += std::string(" -> ") + to_string(e->verdict) + " defect " + std::to_string((int)after.patches[p].defect) + " err " + std::to_string(e->error).substr(0,6) + " pred " + std::to_string(e->rulings.predicted_error).substr(0,6) + " corners " + std::to_string(e->corners.size());
+      }
+    out.push_back(line);
+  }
+  return out;
 }
 
 }  // namespace sheetform

@@ -1,7 +1,9 @@
 // The search for a small viable layout: insertion, then removal of paths and of arches (paper 3.2 and 3.4).
 #pragma once
 #include <string>
+#include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "sheetform/search/evaluator.h"
@@ -29,8 +31,14 @@ class LayoutSearch {
   void remove_paths();
   /// Removes single arches (T-junctions appear), the smallest patches first, until none goes.
   void remove_arches();
+  /// Local search: a stretch of a candidate path goes in, other arches go out; kept when parts or cuts get fewer.
+  /// Returns the number of improvements.
+  int improve(int tries, std::uint64_t seed);
+  /// Number of patches plus a little for the length of the cuts.
+  double objective();
+  std::vector<std::string> diagnose();
   /// Smooths all paths on the surface; patches near them are evaluated anew.
-  void smooth(int rounds);
+  void smooth();
   /// Splits these patches (by id in layout()); returns how many were split.
   int split(const std::vector<int>& patches, PatchVerdict reason);
 
@@ -43,6 +51,8 @@ class LayoutSearch {
  private:
   void changed() { layout_valid_ = evaluation_valid_ = false; }
   std::vector<int> topologically_bad();
+  std::vector<int> geometrically_bad();
+  int insert_for_geometry();
   bool insert_best(const std::vector<int>& bad);
   double priority(const Path& path, int patch) const;
   void commit(std::size_t candidate);
@@ -50,12 +60,22 @@ class LayoutSearch {
   bool changed_patches_viable(const PatchLayout& before, const PatchLayout& after);
   bool no_worse(const LayoutEvaluation& before, const PatchLayout& layout_before, const LayoutEvaluation& after,
                 const PatchLayout& layout_after) const;
+  std::vector<int> stretch_inside(const Path& path, int patch) const;
+  bool try_improve(const Path& path, int patch);
+  void join_straight(const std::vector<int>& removed);
+  Vector3 arch_direction(int edge, int v) const;
   int combinatorial_corners(const Patch& patch) const;
+  std::vector<int> with_loose_ends(std::vector<int> edges) const;
+  double merge_value(const PatchLayout& now, int arch);
+  void remember_patches(const PatchLayout& now);
+  std::vector<std::pair<std::uint64_t, int>> removable_arches(const PatchLayout& now) const;
 
   SearchSurface& surface_;
   EditableNetwork network_;
   const TracingGraph& graph_;
-  std::vector<Path> candidates_;
+  std::vector<Path> candidates_;  ///< not yet inserted and still fitting
+  std::vector<Path> pool_;        ///< all of them
+  int kept_path_ = -1;            ///< not removed for now
   std::vector<double> mean_distance_;
   SearchParams params_;
   RunContext& context_;
@@ -63,10 +83,12 @@ class LayoutSearch {
   LayoutEvaluator evaluator_;
   LayoutRules rules_;
   double edge_length_;
+  std::vector<Vector3> rest_;  ///< the mesh before any smoothing
   PatchLayout layout_;
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;
-  std::unordered_set<std::uint64_t> rejected_;
+  std::unordered_map<std::uint64_t, double> merge_values_;  ///< by arch and patches beside it; negative = not viable
+  std::vector<std::uint64_t> known_;                        ///< sorted keys of the present patches
   std::vector<std::string> log_;
 };
 
