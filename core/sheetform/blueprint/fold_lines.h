@@ -1,0 +1,35 @@
+// Where a flat part bends and by how much.
+#pragma once
+#include <vector>
+
+#include "sheetform/strip/strip_mesh.h"
+
+namespace sheetform {
+
+/// An inner edge of a patch. Angle in degrees seen from outside: mountain (convex) positive, valley negative.
+struct Crease {
+  std::array<int, 2> v, vt;
+  double angle = 0;
+  int ruling = -1;               ///< place in Patch::rulings, -1: a diagonal
+  std::array<int, 2> triangles;  ///< places in Patch::triangles, left of v[0] -> v[1] first
+};
+/// All inner edges of a patch, rulings first in their order, then diagonals by vertices.
+std::vector<Crease> creases_of(const StripMesh& strips, int patch);
+
+/// The bending of a ruling together with its share of the diagonals in the pieces on both of its sides,
+/// degrees.
+std::vector<double> ruling_turns(const StripMesh& strips, int patch, const std::vector<Crease>& creases);
+
+/// Rulings that stand for `step` degrees of bending each, with the angle each stands for; step 0: all of
+/// them. Runs of one sign that bend less than `hidden` altogether are left out.
+struct DrawnRuling {
+  int ruling;
+  double angle;
+};
+std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, double step, double hidden);
+
+/// Dihedral angle over the edge shared by two triangles, in degrees, positive where convex from outside. `a`
+/// -> `b` is the edge as the first triangle runs it.
+double bend_over(const Vector3& a, const Vector3& b, const Vector3& first_apex, const Vector3& second_apex);
+
+}  // namespace sheetform

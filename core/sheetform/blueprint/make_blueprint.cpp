@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sheetform/base/error.h"
+#include "sheetform/blueprint/blueprint.h"
+#include "sheetform/blueprint/nesting.h"
+#include "sheetform/blueprint/part_marks.h"
+#include "sheetform/blueprint/seams.h"
+#include "sheetform/blueprint/stroke_font.h"
+#include "sheetform/blueprint/text.h"
+#include "sheetform/strip/outline.h"
+
+namespace sheetform {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// All vts in mm; mirrored for parts that show their inside.
+std::vector<Vector2> flat_places(const StripMesh& strips, double scale, bool mirrored) {
+  std::vector<Vector2> flat;
+  for (const Vector2& uv : strips.uvs) flat.push_back(scale * Vector2(mirrored ? -uv.x() : uv.x(), uv.y()));
+  return flat;
+}
+
+void add_parts(Blueprint& b, const std::vector<std::string>& labels) {
+  for (std::size_t p = 0; p < b.strips.patches.size(); ++p) {
+    const StripMesh::Patch& patch = b.strips.patches[p];
+    BlueprintPart part;
+    part.patch = static_cast<int>(p), part.label = labels[p];
+    part.component = patch.component, part.mirror_of = patch.mirror_of;
+    for (int t : patch.boundary_vt) part.outline.push_back(b.flat.at(t));
+    if (part.outline.size() < 3)
+      throw Error(ErrorCode::kInternal, "a patch without outline", "patch " + labels[p]);
+    part.area = signed_area(part.outline);
+    if (part.area < 0) std::reverse(part.outline.begin(), part.outline.end()), part.area = -part.area;
+    part.footprint = {part.outline};
+    b.parts.push_back(std::move(part));
+  }
+}
+
+void add_cuts(Blueprint& b) {
+  for (BlueprintPart& part : b.parts) {
+    Polygons contours = part.footprint;
+    if (b.options.kerf > 0) contours = offset(contours, b.options.kerf / 2, Corner::kMitred);
+    for (Polygon& contour : contours) {
+      const Operation operation = signed_area(contour) > 0 ? Operation::kCutOuter : Operation::kCutInner;
+      part.lines.push_back({operation, std::move(contour), true, 0, 0});
+    }
+  }
+}
+
+// Angles that the grain allows, starting with the part's smallest rectangle lying flat.
+std::vector<double> turns_of(const BlueprintPart& part, const BlueprintOptions& o) {
+  const Placement flat = flat_turn(part.outline);
+  double start = std::atan2(flat.sin, flat.cos);
+  int turns = o.turns;
+  if (o.grain != Grain::kAny && !part.ruling_direction.isZero()) {
+    start = -std::atan2(part.ruling_direction.y(), part.ruling_direction.x()) +
+            (o.grain == Grain::kAcrossRulings ? kPi / 2 : 0);
+    turns = 2;
+  }
+  std::vector<double> out;
+  for (int k = 0; k < turns; ++k) out.push_back(start + 2 * kPi * k / turns);
+  return out;
+}
+
+// Largest first: small parts fill what is left between them.
+std::vector<int> nesting_order(const std::vector<BlueprintPart>& parts) {
+  std::vector<double> size;
+  for (const BlueprintPart& part : parts) {
+    const Bounds box = bounds_of(part.outline);
+    size.push_back(box.size().squaredNorm());
+  }
+  std::vector<int> order(parts.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int c) { return size[a] > size[c]; });
+  return order;
+}
+
+// One page for everything: as wide as its largest part, or so that it comes out a little wider than high.
+double automatic_width(const Blueprint& b) {
+  double widest = 0, area = 0;
+  for (const BlueprintPart& part : b.parts) {
+    const Placement turn = flat_turn(part.outline);
+    Polygon p;
+    for (const Vector2& q : part.outline) p.push_back(turn(q));
+    widest = std::max(widest, bounds_of(p).size().maxCoeff());
+    area += b.options.copies * part.area;
+  }
+  const double room = std::max(widest * 1.001, std::sqrt(2.2 * area));
+  return std::max(room, b.options.reference_bar && room > 60 ? 104.0 : 0.0) + 2 * b.options.margin;
+}
+
+[[noreturn]] void refuse_part(const Blueprint& b, const BlueprintPart& part) {
+  const Vector2 size = bounds_of(part.outline).size();
+  throw Error(ErrorCode::kInvalidParameter,
+              "part " + part.label + " (about " + rounded(size.x(), 0) + " x " + rounded(size.y(), 0) +
+                  " mm) is larger than a sheet of " + rounded(b.options.sheet_width, 1) + " x " +
+                  rounded(b.options.sheet_height, 1) + " mm",
+              "sheet", "Choose a larger sheet or a smaller scale, or let large parts be split");
+}
+
+// A bar of 100 mm with its length written on it, where the sheet has room.
+void add_reference_bar(Nester& nester, int sheet, const Blueprint& b, BlueprintSheet& out) {
+  const Polygon frame{{0, 0}, {100, 0}, {100, 10}, {0, 10}};
+  const NestItem item{{frame}, {0, kPi / 2}};
+  const auto place = nester.place_on(sheet, item);
+  if (!place) return;
+  const auto draw = [&](std::vector<Vector2> points, bool closed) {
+    out.guide.push_back({Operation::kGuide, placed(points, *place), closed, 0, 0});
+  };
+  draw(frame, true);
+  for (int i = 1; i < 10; ++i) draw({{10.0 * i, 0}, {10.0 * i, i == 5 ? 4.0 : 2.5}}, false);
+  const std::string text = "100 MM  SHEET " + std::to_string(sheet + 1) + "  MARKED SIDE " +
+                           (b.options.marked_face == Face::kOutside ? "OUTSIDE" : "INSIDE");
+  StrokeText strokes =
+      stroke_text(text, std::min(3.0, 3.0 * 96 / std::max(1.0, stroke_text_width(text, 3.0))));
+  for (std::vector<Vector2>& line : strokes.lines) {
+    for (Vector2& p : line) p += Vector2(2, 5.5);
+    draw(line, false);
+  }
+}
+
+void nest(Blueprint& b) {
+  const BlueprintOptions& o = b.options;
+  const bool automatic = o.sheet_width <= 0;
+  Nester nester({automatic ? automatic_width(b) : o.sheet_width, automatic ? 0 : o.sheet_height, o.margin,
+                 o.gap + o.kerf});
+  std::vector<std::pair<int, PlacedPart>> places;
+  for (int i : nesting_order(b.parts))
+    for (int copy = 0; copy < o.copies; ++copy) {
+      const NestedItem item = nester.place({b.parts[i].footprint, turns_of(b.parts[i], o)});
+      if (item.sheet < 0) refuse_part(b, b.parts[i]);
+      places.push_back({item.sheet, {i, copy, item.placement}});
+    }
+  std::stable_sort(places.begin(), places.end(), [](const auto& x, const auto& y) {
+    return std::array{x.first, x.second.part, x.second.copy} <
+           std::array{y.first, y.second.part, y.second.copy};
+  });
+  double inside = 0, total = 0;
+  for (int s = 0; s < nester.sheet_count(); ++s) {
+    BlueprintSheet sheet;
+    for (const auto& [on, part] : places)
+      if (on == s) sheet.parts.push_back(part), inside += area_of(b.parts[part.part].footprint);
+    if (o.reference_bar) add_reference_bar(nester, s, b, sheet);
+    sheet.width = automatic ? nester.used(s).x() : o.sheet_width;
+    sheet.height = automatic ? nester.used(s).y() : o.sheet_height;
+    total += sheet.width * sheet.height;
+    b.sheets.push_back(std::move(sheet));
+  }
+  b.used_share = total > 0 ? inside / total : 0;
+}
+
+void require(bool good, const char* option, const std::string& what) {
+  if (!good) throw Error(ErrorCode::kInvalidParameter, std::string(option) + " " + what, option);
+}
+
+void in_range(double value, double low, double high, const char* option) {
+  require(value >= low && value <= high, option,
+          "must lie between " + rounded(low, 3) + " and " + rounded(high, 3));
+}
+
+}  // namespace
+
+void validate(const BlueprintOptions& o) {
+  require((o.sheet_width > 0) == (o.sheet_height > 0), "sheet", "needs both a width and a height");
+  in_range(o.sheet_width, 0, 20000, "sheet_width"), in_range(o.sheet_height, 0, 20000, "sheet_height");
+  in_range(o.margin, 0, 200, "margin"), in_range(o.gap, 0, 200, "gap");
+  require(o.sheet_width <= 0 || std::min(o.sheet_width, o.sheet_height) > 2 * o.margin + 1, "margin",
+          "leaves no room on the sheet");
+  in_range(o.turns, 1, 64, "turns"), in_range(o.copies, 1, 100, "copies");
+  in_range(o.label_height, 0, 100, "label_height"), in_range(o.seam_text_height, 0, 100, "seam_text_height");
+  in_range(o.smallest_text, 0.1, 100, "smallest_text"), in_range(o.notch_size, 0.1, 50, "notch_size");
+  in_range(o.ruling_step, 0, 180, "ruling_step"), in_range(o.hidden_bend, 0, 180, "hidden_bend");
+  in_range(o.ruling_clear, 0, 50, "ruling_clear"), in_range(o.dash, 0.1, 100, "dash"),
+      in_range(o.dash_gap, 0.1, 100, "dash_gap");
+  in_range(o.tick_length, 0.1, 100, "tick_length"), in_range(o.tab_depth, 0.5, 100, "tab_depth");
+  in_range(o.tab_angle, 20, 90, "tab_angle"), in_range(o.tab_pitch, 1, 1000, "tab_pitch");
+  in_range(o.kerf, 0, 5, "kerf"), in_range(o.thickness, 0, 100, "thickness");
+}
+
+std::vector<Vector2> placed(const std::vector<Vector2>& points, const Placement& placement) {
+  std::vector<Vector2> out;
+  for (const Vector2& p : points) out.push_back(placement(p));
+  return out;
+}
+
+Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vector<std::string>& labels,
+                         const BlueprintOptions& options, const BlueprintOrigin& origin) {
+  validate(options);
+  if (labels.size() != strips.patches.size())
+    throw Error(ErrorCode::kInternal, "one label a patch is needed");
+  Blueprint b;
+  b.options = options, b.origin = origin, b.strips = strips, b.scale = scale;
+  const bool mirrored = options.marked_face == Face::kInside;
+  b.flat = flat_places(strips, scale, mirrored);
+  add_parts(b, labels);
+  b.seams = seams_of(strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
+  add_marks(b);
+  add_cuts(b);
+  nest(b);
+  return b;
+}
+
+}  // namespace sheetform
