@@ -95,7 +95,7 @@ class App {
   showProblem(error) {
     const token = error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
     const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
-    this.show({ title: "", element: h("main", { class: "home", id: "main" }, problemBox(error, token ?? again)) });
+    this.show({ title: "", element: h("main", { class: "home", id: "main", tabindex: "-1" }, h("h1", { class: "visually-hidden" }, "sheetform"), problemBox(error, token ?? again)) });
   }
 
   showConnection() {

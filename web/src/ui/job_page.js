@@ -12,8 +12,9 @@ import { ResultView } from "./result_view.js";
 
 export function jobPage({ go, stage, process, id }) {
   const panel = h("section", { class: "panel", "aria-label": "Job" });
-  const element = h("main", { class: "work", id: "main", tabindex: "-1" }, stage.element, panel);
-  const page = new JobPage({ go, stage, process, id, panel, element });
+  const heading = h("h1", { class: "visually-hidden" }, "Job");
+  const element = h("main", { class: "work", id: "main", tabindex: "-1" }, heading, stage.element, panel);
+  const page = new JobPage({ go, stage, process, id, panel, element, heading });
   page.start();
   return page;
 }
@@ -59,7 +60,7 @@ class JobPage {
       if (this.shown && this.shown !== "lost") this.go("#");
       return;
     }
-    this.title = titleOf(job);
+    this.title = this.heading.textContent = titleOf(job);
     document.title = ACTIVE.has(job.status) ? `${job.progress} % · ${this.title} · sheetform` : `${this.title} · sheetform`;
     const kind = ACTIVE.has(job.status) ? "active" : job.status;
     if (kind === "active") this.showProgress(job);

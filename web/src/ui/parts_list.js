@@ -51,7 +51,7 @@ function partDetail(model, stage, k) {
   const part = model.parts[k];
   const alone = stage.result?.state.only === k;
   return h("div", { class: "detail-card" },
-    h("div", { class: "row" }, h("h3", {}, `Part ${part.label}`),
+    h("div", { class: "row" }, h("h2", {}, `Part ${part.label}`),
       h("button", { type: "button", class: "small right", "aria-pressed": String(alone), onclick: () => {
         stage.pose({ only: alone ? null : k });
         stage.setSelection({});
@@ -71,7 +71,7 @@ function seamDetail(model, stage, id) {
   const join = seam.border ? h("p", {}, `Free edge of ${labelOf(model, seam.parts[0])}.`)
     : seam.self ? h("p", {}, `${labelOf(model, seam.parts[0])} is joined to itself here.`)
       : h("p", {}, "Joins ", partLink(model, stage, seam.parts[0]), " and ", partLink(model, stage, seam.parts[1]), ".");
-  return h("div", { class: "detail-card" }, h("h3", {}, `${seam.border ? "Edge" : "Seam"} ${seam.name}`), join, h("p", { class: "hint" }, `${millimetres(seam.length)} long on both sides.`));
+  return h("div", { class: "detail-card" }, h("h2", {}, `${seam.border ? "Edge" : "Seam"} ${seam.name}`), join, h("p", { class: "hint" }, `${millimetres(seam.length)} long on both sides.`));
 }
 
 function partLink(model, stage, id) {

@@ -14,7 +14,7 @@ export function wordsOf(error) {
 export function problemBox(error, ...actions) {
   const { title, detail, where, fix, errors = [] } = wordsOf(error);
   return h("section", { class: "problem", role: "alert" },
-    h("div", { class: "problem-head" }, icon("warn"), h("h3", {}, title)),
+    h("div", { class: "problem-head" }, icon("warn"), h("h2", {}, title)),
     detail && detail !== title && h("p", {}, detail),
     where && h("p", { class: "where" }, h("span", { class: "tag" }, "Where"), " ", where),
     errors.map((item) => h("p", { class: "where" }, item.pointer && h("span", { class: "tag" }, item.pointer), " ", item.detail)),

@@ -17,7 +17,7 @@ const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm"]);
 
 export function setupPage({ go, stage, process }) {
   const panel = h("section", { class: "panel", "aria-label": "Settings" });
-  const main = h("main", { class: "work", id: "main", tabindex: "-1" }, stage.element, panel);
+  const main = h("main", { class: "work", id: "main", tabindex: "-1" }, h("h1", { class: "visually-hidden" }, "New job"), stage.element, panel);
   const page = { panel, stage, process, go, sending: null };
   let shown = null;
   const update = () => {

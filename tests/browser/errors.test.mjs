@@ -1,0 +1,75 @@
+// What goes wrong is said in words: what, where, and what to do.
+import assert from "node:assert/strict";
+import { after, before, it } from "node:test";
+import { Window, launch } from "./support/browser.mjs";
+import { flatLine, letter, tubeStl } from "./support/meshes.mjs";
+import { Server } from "./support/server.mjs";
+
+let server;
+let browser;
+let window;
+let page;
+before(async () => {
+  server = await Server.start();
+  browser = await launch();
+  window = await Window.open(browser, server);
+  page = window.page;
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+it("a letter is not a mesh, and the page says so before anything is sent", async () => {
+  await window.goto();
+  await page.locator("#file").setInputFiles(letter());
+  const words = await page.getByRole("alert").innerText();
+  assert.match(words, /not a mesh/);
+  assert.match(words, /STL, OBJ, PLY or OFF/);
+  await window.shot("error-1-letter");
+  await page.getByRole("button", { name: "Choose another file" }).click();
+  await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
+});
+
+it("one bad file among several spoils nothing", async () => {
+  await page.locator("#file").setInputFiles([letter(), tubeStl("good.stl")]);
+  await page.getByRole("alert").waitFor();
+  await page.getByRole("button", { name: "good.stl" }).click();
+  assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isEnabled());
+});
+
+it("a mesh that the server refuses is explained with what to do", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(flatLine());
+  await page.getByRole("button", { name: "Make the sheets" }).click();
+  const box = page.locator(".problem");
+  await box.waitFor();
+  const words = await box.innerText();
+  assert.match(words, /What to do/);
+  assert.ok(words.length > 60, words);
+  await window.shot("error-2-refused");
+});
+
+it("a number out of range is refused where it is typed", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(tubeStl());
+  await page.getByText("More settings").click();
+  await page.getByLabel("Largest number of sides").fill("9");
+  await page.getByText("At most 6 is allowed.").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isDisabled());
+  await page.getByLabel("Largest number of sides").fill("5");
+  assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isEnabled());
+  await page.getByText("More settings").click();
+});
+
+it("a job that is not there is told apart from one that failed", async () => {
+  await window.goto("#job/00000000-0000-4000-8000-000000000000");
+  assert.match(await page.getByRole("alert").innerText(), /job/i);
+  await page.getByRole("link", { name: "All jobs", exact: true }).click();
+  await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
+});
+
+it("had nothing else to complain about", () => {
+  // The browser itself notes refused requests on its console.
+  assert.deepEqual(window.complaintsBut(/Failed to load resource.*\b4\d\d\b/), []);
+});

@@ -1,0 +1,68 @@
+// A reload, a cancelled job and a server that goes away and comes back: nothing is lost.
+import assert from "node:assert/strict";
+import { after, before, it } from "node:test";
+import { Window, launch } from "./support/browser.mjs";
+import { ball } from "./support/meshes.mjs";
+import { Server } from "./support/server.mjs";
+
+let server;
+let browser;
+let window;
+let page;
+before(async () => {
+  server = await Server.start();
+  browser = await launch();
+  window = await Window.open(browser, server);
+  page = window.page;
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** Sends a mesh that takes some seconds and waits until its job is under way. */
+async function begin(name) {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(ball(name));
+  await page.getByRole("button", { name: "Make the sheets" }).click();
+  await page.locator(".progress-panel").waitFor();
+}
+
+it("a reload in mid-job comes back to the job, and to its result", async () => {
+  await begin("reload.obj");
+  await page.reload();
+  await page.locator(".progress-panel, .figures").first().waitFor();
+  await window.shot("interruption-1-reloaded");
+  await window.ready();
+  await page.reload();
+  await window.ready();
+  assert.ok(await page.locator(".flat .part").count() > 0);
+});
+
+it("cancel stops the job and offers a way on", async () => {
+  await begin("cancel.obj");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("heading", { name: "Cancelled" }).waitFor();
+  await page.getByRole("button", { name: "Change settings" }).click();
+  await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+  assert.match(await page.locator(".file-head").innerText(), /cancel\.obj/);
+});
+
+it("a server restart in mid-job is survived without a hand's turn", async () => {
+  await begin("restart.obj");
+  await server.end();
+  await page.getByText(/No connection to the server/).waitFor();
+  await window.shot("interruption-2-server-gone");
+  await server.begin();
+  await window.ready();
+  assert.equal(await page.getByText(/No connection to the server/).count(), 0);
+});
+
+it("the list of jobs survives, too", async () => {
+  await window.goto("#");
+  for (const name of ["reload", "cancel", "restart"]) await page.locator(".card", { hasText: name }).first().waitFor();
+});
+
+it("had nothing else to complain about", () => {
+  assert.deepEqual(window.complaintsBut(/ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/), []);
+});

@@ -1,0 +1,168 @@
+// The whole way in a real browser against a real server: from a mesh to files, on a wide window and on a phone.
+import assert from "node:assert/strict";
+import { after, before, describe, it } from "node:test";
+import { Window, launch } from "./support/browser.mjs";
+import { tubeStl } from "./support/meshes.mjs";
+import { Server } from "./support/server.mjs";
+
+let server;
+let browser;
+before(async () => {
+  server = await Server.start();
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** The result's own files, fetched beside the page. */
+async function resultFiles(page) {
+  const id = new URL(page.url()).hash.slice(5);
+  const files = await (await fetch(`${server.url}api/v1/jobs/${id}/results`)).json();
+  return { id, files, layout: await (await fetch(new URL(files["layout.json"].href, server.url))).json() };
+}
+
+describe("on a wide window", () => {
+  let window;
+  let page;
+  before(async () => {
+    window = await Window.open(browser, server, { viewport: { width: 1440, height: 900 } });
+    page = window.page;
+  });
+  after(() => window?.close());
+
+  it("shows the first page under a strict policy", async () => {
+    const response = await window.goto();
+    const policy = response.headers()["content-security-policy"] ?? "";
+    assert.match(policy, /default-src 'none'|default-src 'self'/);
+    assert.doesNotMatch(policy, /unsafe-inline|unsafe-eval|\*/);
+    await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
+    await window.shot("wide-1-home");
+  });
+
+  it("shows a sample in 3D with its size before anything is sent", async () => {
+    await page.getByRole("button", { name: "Wavy vase" }).click();
+    await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+    assert.equal(await page.locator(".size-label").count(), 3);
+    assert.match(await page.locator(".file-head").innerText(), /10,400 triangles/);
+    await window.shot("wide-2-settings");
+  });
+
+  it("warns of a size that cannot be meant, and takes a size in millimetres", async () => {
+    await page.getByRole("radio", { name: "m", exact: true }).check();
+    await page.getByText(/larger than a car/).waitFor();
+    await page.getByLabel("Size along z in millimetres").fill("150");
+    await page.getByText(/larger than a car/).waitFor({ state: "detached" });
+    assert.match(await page.locator(".size-label.axis-z").innerText(), /150 mm/);
+  });
+
+  it("makes the form from the schema", async () => {
+    await page.getByText("More settings").click();
+    const process = await (await fetch(`${server.url}api/v1/processes/decompose`)).json();
+    for (const [name, input] of Object.entries(process.inputs)) {
+      if (["mesh", "scale", "target_size", "e_max", "e_max_mm"].includes(name)) continue;
+      assert.ok(await page.locator(".schema-form").getByText(input.title, { exact: true }).count() >= 1, name);
+    }
+    await page.getByText("More settings").click();
+  });
+
+  it("runs, and shows shape and sheets side by side", async () => {
+    await page.getByRole("button", { name: "Make the sheets" }).click();
+    await window.ready();
+    const { layout } = await resultFiles(page);
+    assert.equal(await page.locator(".flat .part").count(), layout.patches.length);
+    assert.match(await page.locator(".figures").innerText(), new RegExp(`Parts\\s+${layout.patches.length}\\b`));
+    assert.equal(await page.locator(".certificate li.not .hint").count(), 0, await page.locator(".certificate").innerText());
+    const tallest = Math.max(...(await (await fetch(`${server.url}api/v1/jobs/${(await resultFiles(page)).id}`)).json()).inputs.mesh.sizeMm);
+    assert.ok(Math.abs(tallest - 150) < 0.1, `${tallest} mm instead of 150`);
+    await window.shot("wide-3-result");
+  });
+
+  it("lights up a part and a seam in all views", async () => {
+    await page.getByRole("tab", { name: "Parts" }).click();
+    await page.getByRole("option").first().click();
+    assert.equal(await page.locator(".flat .part.chosen").count(), 1);
+    await window.shot("wide-4-part");
+    await page.locator(".seam-list button").first().click();
+    assert.ok(await page.locator(".flat .seam.lit").count() >= 1);
+    await page.keyboard.press("Escape");
+    assert.equal(await page.locator(".flat .seam.lit").count(), 0);
+    const sheet = page.locator(".flat .part .sheet").nth(0);
+    await sheet.hover();
+    await page.locator(".part-row.lit").waitFor();
+  });
+
+  it("unfolds, moves apart, and shows error and bending", async () => {
+    await window.slide("Unfold", 0.5);
+    await window.shot("wide-5-half");
+    await window.slide("Unfold", 1);
+    await window.shot("wide-6-flat");
+    await window.slide("Unfold", 0);
+    await window.slide("Apart", 0.6);
+    await window.shot("wide-7-apart");
+    await window.slide("Apart", 0);
+    await page.getByRole("radio", { name: "Error" }).check();
+    await page.getByText(/Worst place \(marked\)/).waitFor();
+    await window.shot("wide-8-error");
+    await page.getByRole("radio", { name: "Bend" }).check();
+    await page.getByText(/Bend radius in/).waitFor();
+    await window.shot("wide-9-bend");
+  });
+
+  it("hands out the files", async () => {
+    await page.getByRole("tab", { name: "Files" }).click();
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: /To cut: SVG/ }).click()]);
+    assert.equal(download.suggestedFilename(), "layout.svg");
+    const chunks = [];
+    for await (const chunk of await download.createReadStream()) chunks.push(chunk);
+    assert.match(Buffer.concat(chunks).toString(), /<svg/);
+    await window.shot("wide-10-files");
+  });
+
+  it("lists the job with its picture, in dark as well", async () => {
+    await page.getByRole("link", { name: "Jobs", exact: true }).click();
+    await page.locator(".card.successful img").first().waitFor();
+    await page.emulateMedia({ colorScheme: "dark" });
+    await window.shot("wide-11-jobs-dark");
+  });
+
+  it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
+});
+
+describe("on a phone", () => {
+  let window;
+  let page;
+  before(async () => {
+    window = await Window.open(browser, server, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: "dark" });
+    page = window.page;
+  });
+  after(() => window?.close());
+
+  it("takes an STL in inches", async () => {
+    await window.goto();
+    await page.locator("#file").setInputFiles(tubeStl());
+    await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+    await page.getByRole("radio", { name: "inch" }).check();
+    assert.equal(await page.getByLabel("Size along z in millimetres").inputValue(), "127");
+    await window.shot("phone-1-settings");
+  });
+
+  it("never scrolls sideways", async () => {
+    const [wide, view] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+    assert.ok(wide <= view, `${wide} > ${view}`);
+  });
+
+  it("shows shape, flat layout, figures, parts and files in turn", async () => {
+    await page.getByRole("button", { name: "Make the sheets" }).click();
+    await window.ready();
+    await window.shot("phone-2-shape");
+    for (const [name, proof] of [["Flat", ".flat .part"], ["Result", ".figures"], ["Parts", ".part-row"], ["Files", ".files-list a"]]) {
+      await page.getByRole("tab", { name }).click();
+      await page.locator(proof).first().waitFor();
+      await window.shot(`phone-3-${name.toLowerCase()}`);
+    }
+  });
+
+  it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
+});

@@ -1,0 +1,92 @@
+// The whole way once more without a pointer: everything can be reached and done by keys alone.
+import assert from "node:assert/strict";
+import { after, before, it } from "node:test";
+import { Window, launch } from "./support/browser.mjs";
+import { Server } from "./support/server.mjs";
+
+let server;
+let browser;
+let window;
+let page;
+before(async () => {
+  server = await Server.start();
+  browser = await launch();
+  window = await Window.open(browser, server);
+  page = window.page;
+  await window.goto();
+  await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+const focused = () => page.evaluate(() => {
+  const e = document.activeElement;
+  return `${e.tagName.toLowerCase()} ${e.getAttribute("aria-label") ?? ""} ${e.textContent.trim().slice(0, 60)}`.replace(/\s+/g, " ");
+});
+
+/** Presses Tab until the focus is on something that matches; fails when the way round does not lead there. */
+async function tabTo(pattern, key = "Tab") {
+  const way = [];
+  for (let k = 0; k < 90; k++) {
+    await page.keyboard.press(key);
+    const now = await focused();
+    if (pattern.test(now)) return;
+    way.push(now);
+  }
+  assert.fail(`the focus never came to ${pattern}:\n${way.join("\n")}`);
+}
+
+it("chooses a shape", async () => {
+  await tabTo(/Cooling tower/);
+  await page.keyboard.press("Enter");
+  await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+});
+
+it("turns the view, chooses a material and starts", async () => {
+  await tabTo(/^canvas/);
+  for (const key of ["ArrowLeft", "ArrowUp", "+", "0"]) await page.keyboard.press(key);
+  await tabTo(/^input/);  // the unit
+  await page.getByRole("radio", { name: /Card/ }).focus();
+  await page.keyboard.press("ArrowDown");
+  assert.ok(await page.getByRole("radio", { name: /Plywood/ }).isChecked());
+  await tabTo(/Make the sheets/);
+  await page.keyboard.press("Enter");
+  await window.ready();
+});
+
+it("goes through tabs and parts by arrow keys", async () => {
+  await tabTo(/^button Result/);
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.getByRole("tab", { name: "Parts" }).getAttribute("aria-selected"), "true");
+  await tabTo(/^div Parts/);
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await page.locator(".part-row[aria-selected=true]").count(), 1);
+  assert.equal(await page.locator(".flat .part.chosen").getAttribute("data-part"), "1");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator(".flat .part.chosen").count(), 0);
+});
+
+it("moves and zooms the flat layout", async () => {
+  const place = () => page.locator(".flat > g").nth(1).getAttribute("transform");
+  const before = await place();
+  await page.locator(".flat").focus();
+  for (const key of ["+", "ArrowLeft"]) await page.keyboard.press(key);
+  await page.waitForFunction((old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") !== old, before);
+  await page.keyboard.press("0");
+  await page.waitForFunction((old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") === old, before);
+});
+
+it("shows where the focus is", async () => {
+  await tabTo(/^a|^button|^input/);
+  const seen = await page.evaluate(() => {
+    const e = document.activeElement;
+    const near = [e, e.nextElementSibling].filter(Boolean).map((x) => getComputedStyle(x));
+    return near.some((style) => (style.outlineStyle !== "none" && style.outlineWidth !== "0px") || style.boxShadow !== "none");
+  });
+  assert.ok(seen);
+});
+
+it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
