@@ -57,20 +57,47 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
   return build_surface_mesh(std::move(points), std::move(faces));
 }
 
-// Working edge length: fine enough that facets cost a small share of the tolerance, coarse enough to be quick.
+// Mean absolute curvature: the dihedral angles of the edges, weighted by length, over the area.
+double mean_bending(const SurfaceMesh& mesh) {
+  double sum = 0;
+  for (int e = 0; e < mesh.edge_count(); ++e) {
+    const auto& edge = mesh.edges[e];
+    if (edge.border()) continue;
+    const Vector3 a = mesh.face_normal_raw(edge.f0), b = mesh.face_normal_raw(edge.f1);
+    sum += std::atan2(a.cross(b).norm(), a.dot(b)) * mesh.edge_length(e);
+  }
+  return sum / std::max(surface_area(mesh), 1e-300);
+}
+
+// Working edge length: coarse enough to be quick, fine enough that facets cost a small share of the tolerance.
 double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort) {
-  const double wanted = 0.022 * std::sqrt(e_max / 0.02);
+  const double smooth = 0.022 * std::sqrt(e_max / 0.02), curved = std::sqrt(0.5 * e_max / std::max(mean_bending(mesh), 1e-9));
   const int least = effort == Effort::kDraft ? 1200 : 2500, most = effort == Effort::kDraft ? 3500 : 12000;
-  return std::clamp(wanted, edge_length_for(mesh, most), edge_length_for(mesh, least));
+  return std::clamp(std::min(smooth, curved), edge_length_for(mesh, most), edge_length_for(mesh, least));
+}
+
+// Largest distance from the input's vertices to the working mesh.
+double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working) {
+  const ClosestPointTree tree(working.points, working.faces);
+  double worst = 0;
+  for (const Vector3& p : input.points) worst = std::max(worst, tree.closest(p).squared_distance);
+  return std::sqrt(worst);
 }
 
 PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, double e_max, const RunContext& context) {
   std::vector<char> crease(mesh.edges.size(), 0);
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
-  const double wanted = working_edge_length(mesh, e_max, params.effort);
+  double wanted = working_edge_length(mesh, e_max, params.effort);
   const double present = mean_edge_length(mesh);
-  if (uniform_enough(mesh) && present > 0.6 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
-  return prepare(mesh, crease, wanted, context);
+  if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
+  const double finest = edge_length_for(mesh, 20000);
+  PreparedMesh prepared = prepare(mesh, crease, wanted, context);
+  for (int attempt = 0; attempt < 2 && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max; ++attempt) {
+    wanted = std::max(0.65 * wanted, finest);
+    if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
+    prepared = prepare(mesh, crease, wanted, context);
+  }
+  return prepared;
 }
 
 // The user's directions, carried to the prepared mesh by closest points.

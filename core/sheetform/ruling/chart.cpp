@@ -156,7 +156,7 @@ double local_step(const std::vector<RestTriangle>& rest, const PatchChart& chart
       a += r.cot[k] * u.dot(x);
       b += r.cot[k] * (x.x() * u.y() - x.y() * u.x());
     }
-    const double norm = std::max(std::hypot(a, b), 1e-300);
+    const double norm = std::max(std::sqrt(a * a + b * b), 1e-300);
     a /= norm, b /= norm;
     for (int k = 0; k < 3; ++k) {
       const int p = (k + 1) % 3, q = (k + 2) % 3;

@@ -18,8 +18,8 @@ struct PatchChart {
 };
 
 struct ChartParams {
-  int max_iterations = 12;
-  double stop = 2e-3;  ///< relative decrease of the energy
+  int max_iterations = 6;
+  double stop = 5e-3;  ///< relative decrease of the energy
 };
 
 /// Tutte embedding on a circle, then local/global iterations (method.md 8.2). The patch must be a disk when cut open.

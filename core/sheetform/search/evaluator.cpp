@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sheetform/strip/unfold.h"
 
@@ -124,6 +125,58 @@ double anchor_weight(const Arch& arch) { return arch.right == Arch::kOutside || 
 
 // Consecutive points of the same arch around polygon point i, or false.
 bool inside_arch(const PatchPolygon& polygon, int i) { return !polygon.node[i]; }
+
+// Numbers the outline points of arches: nodes by their vertex, then the inner samples of each arch.
+class OutlineUnknowns {
+ public:
+  OutlineUnknowns(const SurfaceMesh& mesh, const PatchLayout& layout, double spacing, MorphProblem& problem)
+      : mesh_(mesh), layout_(layout), spacing_(spacing), problem_(problem), ids_(layout.arches.size()) {}
+
+  // free: the points may move; else they stay where `held` says (or at rest).
+  void add(int a, bool free, const std::vector<Vector3>* held) {
+    if (!ids_[a].empty()) return;
+    const Arch& arch = layout_.arches[a];
+    const std::vector<double> samples = sample_arch(mesh_, arch, spacing_);
+    if (held != nullptr && held->size() != samples.size()) held = nullptr;
+    const double anchor = free ? anchor_weight(arch) : kHeld;
+    const int last = static_cast<int>(samples.size()) - 1;
+    auto& ids = ids_[a];
+    for (int s = 0; s <= last; ++s) {
+      const Vector3 rest = held != nullptr ? (*held)[s] : arch_point(mesh_, arch, samples[s]);
+      if (s == 0 || s == last) {
+        ids.push_back(node(arch.vertices[s == 0 ? 0 : arch.vertices.size() - 1], rest, anchor));
+      } else {
+        ids.push_back(static_cast<int>(problem_.rest.size()));
+        problem_.rest.push_back(rest);
+        problem_.anchor.push_back(anchor);
+      }
+    }
+    if (!free) return;
+    for (int s = 1; s < last; ++s) problem_.stencils.push_back({ids[s - 1], ids[s], ids[s + 1]});
+  }
+  const std::vector<int>& of(int arch) const { return ids_[arch]; }
+  std::vector<std::vector<int>> take() { return std::move(ids_); }
+
+ private:
+  static constexpr double kHeld = 1e4;
+  int node(int v, const Vector3& rest, double anchor) {
+    const auto [it, fresh] = nodes_.emplace(v, static_cast<int>(problem_.rest.size()));
+    if (fresh) {
+      problem_.rest.push_back(rest);
+      problem_.anchor.push_back(anchor);
+    } else if (anchor > problem_.anchor[it->second]) {
+      problem_.rest[it->second] = rest;
+      problem_.anchor[it->second] = anchor;
+    }
+    return it->second;
+  }
+  const SurfaceMesh& mesh_;
+  const PatchLayout& layout_;
+  double spacing_;
+  MorphProblem& problem_;
+  std::vector<std::vector<int>> ids_;
+  std::unordered_map<int, int> nodes_;
+};
 
 double point_triangle2(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
   // Ericson, Real-Time Collision Detection, 5.1.5.
@@ -276,47 +329,45 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch_avoiding(const Pat
 
 LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
                                         int rounds) {
+  std::vector<int> all(layout.patches.size());
+  std::iota(all.begin(), all.end(), 0);
+  return morph_patches(layout, std::move(patches), all, nullptr, rounds);
+}
+
+LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& layout, const std::vector<int>& region, const ArchPlaces& places,
+                                               int rounds) {
+  std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(layout.patches.size());
+  for (int p : region) evaluations[p] = patch(layout, p);
+  return morph_patches(layout, std::move(evaluations), region, &places, rounds);
+}
+
+LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
+                                                const std::vector<int>& region, const ArchPlaces* places, int rounds) {
   LayoutEvaluation out;
   out.patches = std::move(patches);
-  const int count = static_cast<int>(layout.patches.size());
-  out.patch_error.assign(count, 0);
-  out.patch_worst.assign(count, Vector3::Zero());
-  out.unknowns.resize(count);
-  // Unknowns: nodes by vertex, then the inner samples of each arch.
+  out.patch_error.assign(layout.patches.size(), 0);
+  out.patch_worst.assign(layout.patches.size(), Vector3::Zero());
+  out.unknowns.resize(layout.patches.size());
   MorphProblem problem;
-  std::vector<int> node_unknown(surface_.mesh.points.size(), -1);
-  auto node = [&](int v, double anchor) {
-    if (node_unknown[v] < 0) {
-      node_unknown[v] = static_cast<int>(problem.rest.size());
-      problem.rest.push_back(surface_.mesh.points[v]);
-      problem.anchor.push_back(anchor);
+  OutlineUnknowns unknowns(surface_.mesh, layout, params_.spacing, problem);
+  for (int p : region)
+    for (const ArchUse& use : layout.patches[p].boundary) {
+      const Arch& arch = layout.arches[use.arch];
+      const auto inside = [&](int q) { return q == Arch::kOutside || (q >= 0 && out.patches[q] != nullptr); };
+      const bool free = inside(arch.left) && inside(arch.right);
+      const std::vector<Vector3>* held = nullptr;
+      if (!free && places != nullptr) {
+        const auto it = places->find(arch.key);
+        if (it != places->end()) held = &it->second;
+      }
+      unknowns.add(use.arch, free, held);
     }
-    double& a = problem.anchor[node_unknown[v]];
-    a = std::max(a, anchor);
-    return node_unknown[v];
-  };
-  auto& arch_unknowns = out.arch_unknowns;
-  arch_unknowns.resize(layout.arches.size());
-  for (std::size_t a = 0; a < layout.arches.size(); ++a) {
-    const Arch& arch = layout.arches[a];
-    const auto samples = sample_arch(surface_.mesh, arch, params_.spacing);
-    auto& ids = arch_unknowns[a];
-    const double anchor = anchor_weight(arch);
-    ids.push_back(node(arch.vertices.front(), anchor));
-    for (std::size_t s = 1; s + 1 < samples.size(); ++s) {
-      ids.push_back(static_cast<int>(problem.rest.size()));
-      problem.rest.push_back(arch_point(surface_.mesh, arch, samples[s]));
-      problem.anchor.push_back(anchor);
-    }
-    ids.push_back(node(arch.vertices.back(), anchor));
-    for (std::size_t s = 1; s + 1 < ids.size(); ++s) problem.stencils.push_back({ids[s - 1], ids[s], ids[s + 1]});
-  }
-  for (int p = 0; p < count; ++p) {
+  for (int p : region) {
     const PatchEvaluation& e = *out.patches[p];
     auto& ids = out.unknowns[p];
     ids.resize(e.polygon.size());
     for (int i = 0; i < e.polygon.size(); ++i)
-      ids[i] = arch_unknowns[layout.patches[p].boundary[e.polygon.origin[i].use].arch][e.polygon.origin[i].sample];
+      ids[i] = unknowns.of(layout.patches[p].boundary[e.polygon.origin[i].use].arch)[e.polygon.origin[i].sample];
     for (MorphSample s : e.samples) {
       if (s.weight <= 0) continue;
       for (int& u : s.unknown) u = ids[u];
@@ -324,17 +375,19 @@ LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout, std::vector<s
       problem.samples.push_back(s);
     }
   }
+  out.arch_unknowns = unknowns.take();
   MorphParams morph_params = params_.morph;
   morph_params.rounds = rounds;
   morph_params.stop_below = 0.7 * params_.e_max;
   out.position = morph(problem, morph_params).position;
-  parallel_for(context_, count, [&](int p) {
+  parallel_for(context_, static_cast<int>(region.size()), [&](int i) {
+    const int p = region[i];
     const PatchEvaluation& e = *out.patches[p];
     std::vector<Vector3> position(e.polygon.size());
-    for (int i = 0; i < e.polygon.size(); ++i) position[i] = out.position[out.unknowns[p][i]];
+    for (int k = 0; k < e.polygon.size(); ++k) position[k] = out.position[out.unknowns[p][k]];
     out.patch_error[p] = patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &out.patch_worst[p]);
   });
-  for (int p = 0; p < count; ++p) {
+  for (int p : region) {
     out.max_error = std::max(out.max_error, out.patch_error[p]);
     const PatchVerdict v = out.patches[p]->verdict;
     out.failing += (v != PatchVerdict::kViable && v != PatchVerdict::kError) || out.patch_error[p] > params_.e_max;

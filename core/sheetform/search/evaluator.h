@@ -50,7 +50,10 @@ struct PatchEvaluation {
   bool viable() const { return verdict == PatchVerdict::kViable; }
 };
 
-/// A whole layout after the global morph.
+/// Where the points of each arch are after the last morph, by Arch::key: from node to node.
+using ArchPlaces = std::unordered_map<std::uint64_t, std::vector<Vector3>>;
+
+/// A layout, or a part of it, after the morph. Entries of patches that were not asked for are empty.
 struct LayoutEvaluation {
   std::vector<std::shared_ptr<const PatchEvaluation>> patches;
   std::vector<double> patch_error;      ///< after the global morph
@@ -78,10 +81,15 @@ class LayoutEvaluator {
   /// Global morph of the patches that have rulings; per-patch errors. `rounds`: minimax reweightings.
   LayoutEvaluation layout(const PatchLayout& layout, int rounds) { return solve(layout, patches(layout), rounds); }
   LayoutEvaluation solve(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds);
+  /// Morph of these patches alone; arches to other patches stay at `places` (on the surface when unknown). Patches that
+  /// are not listed are not evaluated. Cost grows with the listed patches only.
+  LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region, const ArchPlaces& places, int rounds);
   int evaluations() const { return evaluations_; }
   int hits() const { return hits_; }
 
  private:
+  LayoutEvaluation morph_patches(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
+                                 const std::vector<int>& region, const ArchPlaces* places, int rounds);
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  const std::function<bool(int, int)>* forbidden) const;
   const SearchSurface& surface_;

@@ -185,6 +185,7 @@ int LayoutSearch::insert_for_geometry() {
 }
 
 void LayoutSearch::smooth() {
+  places_.clear();
   std::vector<char> path_edge(surface_.mesh.edges.size(), 0), fixed(surface_.mesh.points.size(), 0);
   const PathNetwork& net = network_.network();
   for (int e = 0; e < surface_.mesh.edge_count(); ++e) {
@@ -200,33 +201,85 @@ void LayoutSearch::smooth() {
   changed();
 }
 
-bool LayoutSearch::changed_patches_viable(const PatchLayout& before, const PatchLayout& after) {
-  std::unordered_set<std::uint64_t> known;
-  for (const Patch& p : before.patches) known.insert(p.key);
-  for (int p = 0; p < static_cast<int>(after.patches.size()); ++p) {
-    if (known.count(after.patches[p].key)) continue;
-    if (after.patches[p].defect != TopologyDefect::kNone) return false;
+// The patches on either side of these edges.
+std::vector<int> LayoutSearch::patches_beside(const std::vector<int>& edges) {
+  std::set<int> beside;
+  for (int e : edges)
+    for (int f : {surface_.mesh.edges[e].f0, surface_.mesh.edges[e].f1})
+      if (f >= 0) beside.insert(layout().face_patch[f]);
+  return {beside.begin(), beside.end()};
+}
+
+std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
+  std::vector<int> faces;
+  for (int p : patches) faces.insert(faces.end(), layout_.patches[p].faces.begin(), layout_.patches[p].faces.end());
+  return faces;
+}
+
+// What the region becomes under another network, when all of its patches are viable alone; worst: their largest error
+// relative to e_max, sides: the most.
+std::optional<PatchLayout> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces, double& worst, int& sides) {
+  PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
+  for (const Patch& p : region.patches)
+    if (p.defect != TopologyDefect::kNone) return std::nullopt;
+  for (int p = 0; p < static_cast<int>(region.patches.size()); ++p) {
+    const auto e = evaluator_.patch(region, p);
+    if (!e->viable()) return std::nullopt;
+    worst = std::max(worst, e->error / params_.evaluation.e_max);
+    sides = std::max(sides, static_cast<int>(e->corners.size()));
   }
-  for (int p = 0; p < static_cast<int>(after.patches.size()); ++p) {
-    if (known.count(after.patches[p].key)) continue;
-    if (!evaluator_.patch(after, p)->viable()) return false;
-  }
+  return region;
+}
+
+// After the network has changed over these faces: morphs the new patches with their neighbours, the rest held; true
+// when all of them stay within e_max (or, where that was exceeded before, get no worse).
+bool LayoutSearch::region_fits(const std::vector<int>& faces, double before) {
+  layout();
+  std::set<int> fresh, region;
+  for (int f : faces) fresh.insert(layout_.face_patch[f]);
+  region = fresh;
+  for (int p : fresh)
+    for (const ArchUse& use : layout_.patches[p].boundary)
+      for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
+        if (q >= 0) region.insert(q);
+  const std::vector<int> list(region.begin(), region.end());
+  const LayoutEvaluation e = evaluator_.solve_region(layout_, list, places_, params_.lawson_rounds);
+  if (e.max_error > std::max(params_.evaluation.e_max, before)) return false;
+  store(e);
   return true;
 }
 
-bool LayoutSearch::no_worse(const LayoutEvaluation& before, const PatchLayout& layout_before, const LayoutEvaluation& after,
-                            const PatchLayout& layout_after) const {
-  if (after.failing == 0) return true;
-  if (before.failing == 0) return false;
-  auto failing_area = [&](const LayoutEvaluation& e, const PatchLayout& l) {
-    double area = 0;
-    for (std::size_t p = 0; p < l.patches.size(); ++p)
-      if (e.patch_error[p] > params_.evaluation.e_max || !(e.patches[p]->viable() || e.patches[p]->verdict == PatchVerdict::kError))
-        area += l.patches[p].area;
-    return area;
-  };
-  return after.failing <= before.failing && failing_area(after, layout_after) <= failing_area(before, layout_before) + 1e-12 &&
-         after.max_error <= std::max(before.max_error, params_.evaluation.e_max);
+void LayoutSearch::store(const LayoutEvaluation& e) {
+  for (std::size_t a = 0; a < e.arch_unknowns.size(); ++a) {
+    if (e.arch_unknowns[a].empty()) continue;
+    auto& places = places_[layout_.arches[a].key];
+    places.clear();
+    for (int u : e.arch_unknowns[a]) places.push_back(e.position[u]);
+  }
+}
+
+bool LayoutSearch::try_remove(const std::vector<int>& edges) {
+  if (edges.empty() || network_.leaves_loose_end(edges)) return false;
+  const std::vector<int> beside = patches_beside(edges), faces = faces_of(beside);
+  if (places_.empty()) store(evaluation());
+  PathNetwork trial = network_.network();
+  for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
+  double worst = 0;
+  int sides = 0;
+  if (!viable_region(trial, faces, worst, sides)) return false;
+  std::vector<int> paths;
+  for (int e : edges) paths.push_back(network_.network().edge_path[e]);
+  PatchLayout before = std::move(layout_);
+  network_.remove_edges(edges);
+  changed();
+  if (region_fits(faces, 0)) {
+    join_straight(edges);
+    return true;
+  }
+  network_.restore_edges(edges, paths);
+  layout_ = std::move(before);
+  layout_valid_ = true;
+  return false;
 }
 
 // Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no corner.
@@ -259,26 +312,6 @@ Vector3 LayoutSearch::arch_direction(int edge, int v) const {
   const bool forward = arch.vertices.front() == v && arch.edges.front() == edge;
   const int reach = std::min(n - 1, 4);
   return (surface_.mesh.points[arch.vertices[forward ? reach : n - 1 - reach]] - surface_.mesh.points[v]).normalized();
-}
-
-bool LayoutSearch::try_remove(const std::vector<int>& edges) {
-  if (edges.empty() || network_.leaves_loose_end(edges)) return false;
-  const PatchLayout before = layout();
-  const LayoutEvaluation evaluation_before = evaluation();
-  std::vector<int> paths;
-  for (int e : edges) paths.push_back(network_.network().edge_path[e]);
-  network_.remove_edges(edges);
-  changed();
-  bool keep = changed_patches_viable(before, layout());
-  if (keep) keep = no_worse(evaluation_before, before, evaluation(), layout_);
-  if (keep) {
-    join_straight(edges);
-    return true;
-  }
-  network_.restore_edges(edges, paths);
-  layout_ = before, evaluation_ = evaluation_before;
-  layout_valid_ = evaluation_valid_ = true;
-  return false;
 }
 
 void LayoutSearch::remove_paths() {
@@ -316,36 +349,21 @@ std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges) const {
   return edges;
 }
 
-// What becomes of the layout when the arch goes: the value of the merge, negative when it is not viable. Thread-safe.
-double LayoutSearch::merge_value(const PatchLayout& now, int arch) {
-  const std::vector<int> edges = with_loose_ends(now.arches[arch].edges);
+// What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used up or
+// many sides result. Negative when it is not viable. Thread-safe.
+double LayoutSearch::merge_value(int arch) {
+  const std::vector<int> edges = with_loose_ends(layout_.arches[arch].edges);
   if (edges.empty()) return -1;
   PathNetwork trial = network_.network();
-  double length = 0;
+  double length = 0, worst = 0;
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
-  const PatchLayout after = extract_layout(surface_.mesh, trial, surface_.versions, rules_);
-  std::vector<int> fresh;
-  for (int p = 0; p < static_cast<int>(after.patches.size()); ++p)
-    if (!std::binary_search(known_.begin(), known_.end(), after.patches[p].key)) fresh.push_back(p);
-  for (int p : fresh)
-    if (after.patches[p].defect != TopologyDefect::kNone) return -1;
-  double worst = 0;
+  const std::vector<int> beside = patches_beside(edges);
   int sides = 0;
-  for (int p : fresh) {
-    const auto e = evaluator_.patch(after, p);
-    if (!e->viable()) return -1;
-    worst = std::max(worst, e->error / params_.evaluation.e_max);
-    sides = std::max(sides, static_cast<int>(e->corners.size()));
-  }
+  const auto region = viable_region(trial, faces_of(beside), worst, sides);
+  if (!region) return -1;
   const double side_factor = sides <= 4 ? 1.0 : sides == 5 ? 0.8 : 0.6;
-  const double removed = static_cast<double>(now.patches.size() - after.patches.size());
-  return (length + 0.15 * removed) * (1.05 - worst * worst) * side_factor;
-}
-
-void LayoutSearch::remember_patches(const PatchLayout& now) {
-  known_.clear();
-  for (const Patch& p : now.patches) known_.push_back(p.key);
-  std::sort(known_.begin(), known_.end());
+  const double parts = static_cast<double>(beside.size()) - static_cast<double>(region->patches.size());
+  return (length + 0.15 * parts) * (1.05 - worst * worst) * side_factor;
 }
 
 std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const PatchLayout& now) const {
@@ -362,14 +380,13 @@ std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const 
 
 void LayoutSearch::remove_arches() {
   while (true) {
-    const PatchLayout now = layout();
-    remember_patches(now);
+    const PatchLayout& now = layout();
     const auto arches = removable_arches(now);
     std::vector<int> fresh;
     for (const auto& [key, a] : arches)
       if (!merge_values_.count(key)) fresh.push_back(a);
     std::vector<double> values(now.arches.size(), -1);
-    parallel_for(context_, static_cast<int>(fresh.size()), [&](int i) { values[fresh[i]] = merge_value(now, fresh[i]); });
+    parallel_for(context_, static_cast<int>(fresh.size()), [&](int i) { values[fresh[i]] = merge_value(fresh[i]); });
     std::vector<std::pair<double, std::pair<std::uint64_t, int>>> order;
     for (const auto& [key, a] : arches) {
       const auto it = merge_values_.emplace(key, values[a]).first;
@@ -419,13 +436,16 @@ std::vector<int> LayoutSearch::stretch_inside(const Path& path, int patch) const
 bool LayoutSearch::try_improve(const Path& path, int patch) {
   const std::vector<int> run = stretch_inside(path, patch);
   if (run.size() < 3) return false;
-  const EditableNetwork network_before = network_;
-  const PatchLayout layout_before = layout();
-  const LayoutEvaluation evaluation_before = evaluation();
   const double before = objective();
+  const EditableNetwork network_before = network_;
+  const PatchLayout layout_before = layout_;
+  const ArchPlaces places_before = places_;
+  const std::vector<int> faces = layout_.patches[patch].faces;
   kept_path_ = network_.insert_edges(run, PathKind::kCut);
   changed();
-  bool good = changed_patches_viable(layout_before, layout()) && no_worse(evaluation_before, layout_before, evaluation(), layout_);
+  double worst = 0;
+  int sides = 0;
+  bool good = viable_region(network_.network(), faces, worst, sides) && region_fits(faces, 0);
   if (good) {
     remove_arches();
     kept_path_ = -1;
@@ -433,8 +453,8 @@ bool LayoutSearch::try_improve(const Path& path, int patch) {
   }
   kept_path_ = -1;
   if (good) return true;
-  network_ = network_before, layout_ = layout_before, evaluation_ = evaluation_before;
-  layout_valid_ = evaluation_valid_ = true;
+  network_ = network_before, layout_ = layout_before, places_ = places_before;
+  layout_valid_ = true, evaluation_valid_ = false;
   return false;
 }
 
@@ -457,29 +477,6 @@ int LayoutSearch::improve(int tries, std::uint64_t seed) {
     }
   }
   return improved;
-}
-
-std::vector<std::string> LayoutSearch::diagnose() {
-  std::vector<std::string> out;
-  const PatchLayout now = layout();
-  remember_patches(now);
-  for (const auto& [key, arch] : removable_arches(now)) {
-    (void)key;
-    std::string line = "arch " + std::to_string(arch) + " L " + std::to_string(now.arches[arch].length).substr(0,5) + " between " + std::to_string(now.arches[arch].left) + "," + std::to_string(now.arches[arch].right);
-    const std::vector<int> edges = with_loose_ends(now.arches[arch].edges);
-    if (edges.empty()) { out.push_back(line + " loose"); continue; }
-    if (edges.size() != now.arches[arch].edges.size()) line += " (extended)";
-    PathNetwork trial = network_.network();
-    for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
-    const PatchLayout after = extract_layout(surface_.mesh, trial, surface_.versions, rules_);
-    for (int p = 0; p < static_cast<int>(after.patches.size()); ++p)
-      if (!std::binary_search(known_.begin(), known_.end(), after.patches[p].key)) {
-        const auto e = evaluator_.patch(after, p);
-        line += std::string(" -> ") + to_string(e->verdict) + " defect " + std::to_string((int)after.patches[p].defect) + " err " + std::to_string(e->error).substr(0,6) + " pred " + std::to_string(e->rulings.predicted_error).substr(0,6) + " corners " + std::to_string(e->corners.size());
-      }
-    out.push_back(line);
-  }
-  return out;
 }
 
 }  // namespace sheetform

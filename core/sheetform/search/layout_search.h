@@ -1,5 +1,6 @@
 // The search for a small viable layout: insertion, then removal of paths and of arches (paper 3.2 and 3.4).
 #pragma once
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -36,7 +37,6 @@ class LayoutSearch {
   int improve(int tries, std::uint64_t seed);
   /// Number of patches plus a little for the length of the cuts.
   double objective();
-  std::vector<std::string> diagnose();
   /// Smooths all paths on the surface; patches near them are evaluated anew.
   void smooth();
   /// Splits these patches (by id in layout()); returns how many were split.
@@ -57,17 +57,18 @@ class LayoutSearch {
   double priority(const Path& path, int patch) const;
   void commit(std::size_t candidate);
   bool try_remove(const std::vector<int>& edges);
-  bool changed_patches_viable(const PatchLayout& before, const PatchLayout& after);
-  bool no_worse(const LayoutEvaluation& before, const PatchLayout& layout_before, const LayoutEvaluation& after,
-                const PatchLayout& layout_after) const;
+  std::vector<int> patches_beside(const std::vector<int>& edges);
+  std::vector<int> faces_of(const std::vector<int>& patches) const;
+  std::optional<PatchLayout> viable_region(const PathNetwork& trial, const std::vector<int>& faces, double& worst, int& sides);
+  bool region_fits(const std::vector<int>& faces, double before);
+  void store(const LayoutEvaluation& e);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   bool try_improve(const Path& path, int patch);
   void join_straight(const std::vector<int>& removed);
   Vector3 arch_direction(int edge, int v) const;
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges) const;
-  double merge_value(const PatchLayout& now, int arch);
-  void remember_patches(const PatchLayout& now);
+  double merge_value(int arch);
   std::vector<std::pair<std::uint64_t, int>> removable_arches(const PatchLayout& now) const;
 
   SearchSurface& surface_;
@@ -88,7 +89,7 @@ class LayoutSearch {
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;
   std::unordered_map<std::uint64_t, double> merge_values_;  ///< by arch and patches beside it; negative = not viable
-  std::vector<std::uint64_t> known_;                        ///< sorted keys of the present patches
+  ArchPlaces places_;                                       ///< after the last morphs
   std::vector<std::string> log_;
 };
 
