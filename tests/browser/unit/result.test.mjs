@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { bendColors, hingeRadius } from "../../../web/src/result/bend.js";
 import { countInner, measureSeams, measureStretch, partsThatCross } from "../../../web/src/result/checks.js";
-import { foldPart, hinges } from "../../../web/src/result/fold.js";
+import { foldPart, foldSteps, hinges } from "../../../web/src/result/fold.js";
 import { labelPlace } from "../../../web/src/result/label_place.js";
 import { colorsOf, parseResult } from "../../../web/src/result/parse_result.js";
 import { gores } from "../support/gores.mjs";
@@ -44,7 +44,7 @@ describe("folding", () => {
   const result = model({ scale: 2.5 });
   const fold = (part, share) => {
     const out = new Float64Array(result.position.length);
-    foldPart(part, hinges(part, result.position, result.flat), result.position, result.flat, result.scale, share, FRAME, out);
+    foldPart(part, hinges(part, result.position, result.flat), result.position, result.flat, result.scale, typeof share === "number" ? { bend: share, travel: share } : share, FRAME, out);
     return out;
   };
   const edges = (part) => Array.from({ length: part.triangles.length }, (_, k) => [part.triangles[k], part.triangles[k % 3 === 2 ? k - 2 : k + 1]]);
@@ -52,7 +52,7 @@ describe("folding", () => {
 
   it("keeps every length at every step", () => {
     for (const part of result.parts) {
-      for (const share of [0, 0.13, 0.5, 0.9]) {
+      for (const share of [0, 0.13, 0.5, 0.9, { bend: 0.3, travel: 0.8 }, { bend: 0, travel: 1 }, foldSteps(0.4)]) {
         const out = fold(part, share);
         for (const [a, b] of edges(part)) assert.ok(Math.abs(length(out, a, b) - length(result.position, a, b)) < 1e-9);
       }
