@@ -108,8 +108,8 @@ describe("bending", () => {
     it(`finds the radius of a circle with a reach of ${reach} mm`, () => {
       const radii = round.parts.flatMap((part) => bendRadii(part, round.position, round.flat, reach)).filter((r) => r < 1000).sort((a, b) => a - b);
       const middle = radii[radii.length >> 1];
-      // Chords of the gores lie a little inside the circle.
-      assert.ok(Math.abs(middle - 100) < 12, String(middle));
+      // A window holds a whole number of hinges, which costs up to a fifth.
+      assert.ok(Math.abs(middle - 100) < 20, String(middle));
     });
   }
   it("judges by the material", () => {
