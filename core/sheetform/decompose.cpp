@@ -1,151 +1,217 @@
 #include "sheetform/decompose.h"
 
-#include <chrono>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 
-#include "sheetform/search/finish.h"
-#include "sheetform/search/layout_search.h"
+#include "sheetform/mesh/creases.h"
+#include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/search/component.h"
+#include "sheetform/strip/assemble.h"
 
 namespace sheetform {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// Adds the seconds since the last lap to a named timing.
-class Laps {
- public:
-  explicit Laps(std::map<std::string, double>& timings) : timings_(timings), last_(Clock::now()) {}
-  void lap(const std::string& name) {
-    const auto now = Clock::now();
-    timings_[name] += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::map<std::string, double>& timings_;
-  Clock::time_point last_;
-};
-
 // The similarity that puts the input's bounding box to diagonal 1 around the origin.
 struct Normalisation {
   Vector3 centre = Vector3::Zero();
-  double diagonal = 1;
+  double diagonal = 1, longest = 1;
   Vector3 in(const Vector3& p) const { return (p - centre) / diagonal; }
   Vector3 out(const Vector3& p) const { return p * diagonal + centre; }
 };
 
-Normalisation normalisation(const TriangleSoup& soup) {
+Normalisation normalisation(const std::vector<Vector3>& points) {
   Normalisation n;
-  Vector3 lo = soup.points.front(), hi = lo;
-  for (const Vector3& p : soup.points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+  Vector3 lo = points.front(), hi = lo;
+  for (const Vector3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
   n.centre = (lo + hi) / 2;
   n.diagonal = (hi - lo).norm();
+  n.longest = (hi - lo).maxCoeff();
   return n;
 }
 
-EvaluationParams evaluation_params(const DecomposeParams& params, double e_max) {
-  EvaluationParams e;
-  e.e_max = e_max;
-  e.max_sides = params.max_sides;
-  e.self_seams = params.self_seams;
-  e.t_junctions = params.t_junctions;
-  auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };
-  e.morph.rounds = (int)env("ROUNDS", e.morph.rounds); e.morph.slide = env("SLIDE", e.morph.slide); e.morph.smooth = env("SMOOTHW", e.morph.smooth);
-  e.ruling.align_weight = env("ALIGN", e.ruling.align_weight); e.ruling.twist_weight = env("TWIST", e.ruling.twist_weight); e.e_max *= env("EFRAC", 1); e.spacing = env("SPACING", e.spacing); e.corner_turn = env("TURN", e.corner_turn);
-  return e;
+[[noreturn]] void refuse(const std::string& what, const std::string& where, const std::string& fix) {
+  throw Error(ErrorCode::kInvalidParameter, what, where, fix);
 }
 
-StripMesh decompose_component(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, const ClosestPointTree& tree,
-                              const TriangleSoup& reference, const DecomposeParams& params, double e_max, Report& report,
-                              RunContext& context) {
-  Laps laps(report.timings);
-  const CurvatureField curvature = principal_curvature(mesh, crease_edge, {}, context);
-  const CrossField field = cross_field(mesh, crease_edge, curvature, nullptr, {}, context);
-  laps.lap("field");
-  const TracingGraph graph = tracing_graph(mesh, crease_edge, field, {}, context);
-  std::vector<Path> candidates = trace_candidates(mesh, graph, field, {}, context);
-  laps.lap("trace");
-  SearchSurface surface;
-  surface.mesh = mesh;
-  surface.versions.assign(mesh.points.size(), 0);
-  surface.guide = surface_guide(mesh, curvature);
-  surface.input = &tree;
-  PathNetwork network = bare_network(mesh);
-  SearchParams search_params;
-  search_params.evaluation = evaluation_params(params, 0.95 * e_max); search_params.lawson_rounds = search_params.evaluation.morph.rounds;
-  LayoutSearch search(surface, std::move(network), graph, std::move(candidates), search_params, context);
-  search.insert();
-  report.notes.push_back("inserted: " + std::to_string(search.layout().patches.size()) + " patches, failing " + std::to_string(search.evaluation().failing));
-  for (std::size_t i=0;i<search.evaluation().patches.size();++i) { auto& pe=*search.evaluation().patches[i]; if (!pe.viable() || search.evaluation().patch_error[i]>search_params.evaluation.e_max) report.notes.push_back(std::string("fail ")+to_string(pe.verdict)+" faces "+std::to_string(search.layout().patches[i].faces.size())+" corners "+std::to_string(pe.corners.size())+" err "+std::to_string(pe.error)+" global "+std::to_string(search.evaluation().patch_error[i])+" m "+std::to_string(pe.polygon.size())+" defect "+std::to_string((int)search.layout().patches[i].defect)); }
-  laps.lap("insert");
-  search.remove_paths();
-  report.notes.push_back("paths removed: " + std::to_string(search.layout().patches.size()));
-  if (params.t_junctions) search.remove_arches();
-  report.notes.push_back("arches removed: " + std::to_string(search.layout().patches.size()));
-  laps.lap("remove");
-  if (const char* tries = std::getenv("TRIES")) { int k = search.improve(std::atoi(tries), 1); report.notes.push_back("improved " + std::to_string(k) + ": " + std::to_string(search.layout().patches.size())); }
-  if (std::getenv("DIAG")) for (auto& l : search.diagnose()) report.notes.push_back(l);
-  laps.lap("improve");
-  StripMesh best;
-  for (int attempt = 0; attempt < 12; ++attempt) {
-    search.smooth();
-    EvaluationParams fine = evaluation_params(params, 0.95 * e_max);
-    fine.spacing = 0.015;
-    const FinishedLayout finished = finish_layout(surface, search.network().network(), search.layout(), fine, 8, context);
-    if (!finished.failing.empty()) {
-      std::string why;
-      for (PatchVerdict v : finished.why) why += std::string(" ") + to_string(v);
-      report.notes.push_back("final pass: split" + why);
-      if (search.split(finished.failing, PatchVerdict::kOverlap) > 0) continue;
+void require(bool ok, const std::string& name, const std::string& range) {
+  if (!ok) refuse(name + " must be " + range, name, "choose a value in this range");
+}
+
+// One component as a mesh of its own.
+SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& component, int id) {
+  std::vector<int> local(mesh.points.size(), -1);
+  std::vector<Vector3> points;
+  std::vector<std::array<int, 3>> faces;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    if (component[f] != id) continue;
+    std::array<int, 3> t{};
+    for (int k = 0; k < 3; ++k) {
+      int& v = local[mesh.faces[f][k]];
+      if (v < 0) v = static_cast<int>(points.size()), points.push_back(mesh.points[mesh.faces[f][k]]);
+      t[k] = v;
     }
-    best = assemble_strips(finished.source);
-    const DistanceReport d = measure_distance(reference, tree, best, 4000, context);
-    report.notes.push_back("final pass: " + std::to_string(best.patches.size()) + " patches, distance " + std::to_string(d.input_to_result) + " back " + std::to_string(d.result_to_input) + " own " + std::to_string(*std::max_element(finished.patch_error.begin(), finished.patch_error.end())) + " search " + std::to_string(search.evaluation().max_error));
-    std::vector<int> bad;
-    for (int p = 0; p < static_cast<int>(best.patches.size()); ++p)
-      if (d.patch_error[p] > e_max) bad.push_back(p);
-    if (bad.empty()) break;
-    if (search.split(bad, PatchVerdict::kError) == 0) break;
+    faces.push_back(t);
   }
-  laps.lap("final");
-  report.notes.push_back("evaluations " + std::to_string(search.evaluator().evaluations()) + ", hits " + std::to_string(search.evaluator().hits()));
-  return best;
+  return build_surface_mesh(std::move(points), std::move(faces));
+}
+
+// Working edge length: fine enough that facets cost a small share of the tolerance, coarse enough to be quick.
+double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort) {
+  const double wanted = 0.022 * std::sqrt(e_max / 0.02);
+  const int least = effort == Effort::kDraft ? 1200 : 2500, most = effort == Effort::kDraft ? 3500 : 12000;
+  return std::clamp(wanted, edge_length_for(mesh, most), edge_length_for(mesh, least));
+}
+
+PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, double e_max, const RunContext& context) {
+  std::vector<char> crease(mesh.edges.size(), 0);
+  if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
+  const double wanted = working_edge_length(mesh, e_max, params.effort);
+  const double present = mean_edge_length(mesh);
+  if (uniform_enough(mesh) && present > 0.6 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
+  return prepare(mesh, crease, wanted, context);
+}
+
+// The user's directions, carried to the prepared mesh by closest points.
+std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& soup, const ClosestPointTree& tree, const SurfaceMesh& mesh) {
+  std::vector<Vector3> guide(mesh.points.size(), Vector3::Zero());
+  for (std::size_t v = 0; v < guide.size(); ++v) {
+    const ClosestPoint hit = tree.closest(mesh.points[v]);
+    if (!field.per_face.empty()) {
+      guide[v] = field.per_face[hit.face];
+      continue;
+    }
+    // Crosses must not be averaged: the nearest corner's direction is taken.
+    int k = 0;
+    hit.barycentric.maxCoeff(&k);
+    guide[v] = field.per_vertex[soup.faces[hit.face][k]];
+  }
+  return guide;
+}
+
+ComponentParams component_params(const DecomposeParams& params, double e_max) {
+  ComponentParams c;
+  c.evaluation.e_max = e_max;
+  c.evaluation.max_sides = params.max_sides;
+  c.evaluation.self_seams = params.self_seams;
+  c.evaluation.t_junctions = params.t_junctions;
+  c.seed = params.seed;
+  switch (params.effort) {
+    case Effort::kDraft: c.seeds = 60, c.improvements = 0; break;
+    case Effort::kNormal: break;
+    case Effort::kThorough: c.seeds = 400, c.improvements = 400; break;
+  }
+  return c;
+}
+
+double cut_length(const StripMesh& strips, const Normalisation& norm, bool border) {
+  double sum = 0;
+  for (const StripMesh::Arch& a : strips.arches) {
+    if ((a.patches[1] < 0) != border) continue;
+    for (std::size_t i = 0; i + 1 < a.vertices.size(); ++i)
+      sum += (strips.points[a.vertices[i + 1]] - strips.points[a.vertices[i]]).norm();
+  }
+  return sum / norm.diagonal;
+}
+
+std::string percent(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", 100 * x);
+  return text;
+}
+
+void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
+  Report& r = d.report;
+  const DistanceReport& distance = d.certificate.distance;
+  r.patches = static_cast<int>(d.strips.patches.size());
+  r.hausdorff = distance.hausdorff() / norm.diagonal;
+  r.mean_distance = distance.mean / norm.diagonal;
+  r.e_max_met = r.hausdorff <= e_max;
+  r.isometry_error = d.certificate.isometry_error;
+  r.worst_place = distance.worst_place;
+  r.cut_length = cut_length(d.strips, norm, false);
+  r.border_length = cut_length(d.strips, norm, true);
+  for (const AuditFinding& f : d.audit.findings) r.notes.push_back(f.text);
+  if (r.e_max_met) return;
+  const Vector3& p = r.worst_place;
+  r.notes.push_back("the tolerance of " + percent(e_max) + " is not met: the distance is " + percent(r.hausdorff) + " at (" +
+                    std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) + ")");
+}
+
+// Lengths resolved: scale and e_max as they are in force.
+DecomposeParams resolved(DecomposeParams params, const Normalisation& norm) {
+  if (params.target_size) params.scale = *params.target_size / norm.longest;
+  if (params.e_max_mm) params.e_max = *params.e_max_mm / (params.scale * norm.diagonal);
+  require(params.e_max > 0 && params.e_max <= 0.5, params.e_max_mm ? "e_max_mm" : "e_max", "above 0 and at most half of the bounding-box diagonal");
+  return params;
 }
 
 }  // namespace
 
 void validate(const DecomposeParams& params) {
-  if (!(params.e_max > 0 && params.e_max <= 0.5))
-    throw Error(ErrorCode::kInvalidParameter, "e_max must be above 0 and at most 0.5", "e_max", "use a fraction of the diagonal such as 0.02");
+  require(params.e_max > 0 && params.e_max <= 0.5, "e_max", "above 0 and at most 0.5");
+  if (params.e_max_mm) require(*params.e_max_mm > 0 && std::isfinite(*params.e_max_mm), "e_max_mm", "above 0");
+  require(params.max_sides >= 3 && params.max_sides <= 6, "max_sides", "3 to 6");
+  if (params.crease_angle) require(*params.crease_angle > 0 && *params.crease_angle < 180, "creases", "between 0 and 180 degrees, or off");
+  require(params.scale > 0 && std::isfinite(params.scale), "scale", "above 0");
+  if (params.target_size) require(*params.target_size > 0 && std::isfinite(*params.target_size), "target_size", "above 0");
+  if (params.symmetry != SymmetryMode::kOff) refuse("symmetry is not available yet", "symmetry", "leave it off");
+  if (params.normal_deviation) refuse("the normal-deviation criterion is not available yet", "normal_deviation", "leave it out");
+  if (params.morph != MorphKind::kReduced) refuse("the full morph is not available yet", "morph", "use reduced");
 }
 
-Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField*, RunContext& context) {
+Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field, RunContext& context) {
   validate(params);
+  using Clock = std::chrono::steady_clock;
+  const auto seconds_since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
   Decomposition result;
-  result.params = params;
-  Laps laps(result.report.timings);
-  const Normalisation norm = normalisation(input.soup);
-  TriangleSoup soup = input.soup;
-  for (Vector3& p : soup.points) p = norm.in(p);
-  const ClosestPointTree tree(soup.points, soup.faces);
-  const SurfaceMesh mesh = build_surface_mesh(soup.points, soup.faces);
-  laps.lap("prepare");
-  StripMesh strips = decompose_component(mesh, std::vector<char>(mesh.edges.size(), 0), tree, soup, params, params.e_max, result.report, context);
-  for (Vector3& p : strips.points) p = norm.out(p);
-  for (Vector2& u : strips.uvs) u *= norm.diagonal;
-  result.strips = std::move(strips);
-  result.bbox_diagonal = norm.diagonal;
   result.input_vertices = static_cast<int>(input.soup.points.size());
   result.input_faces = static_cast<int>(input.soup.faces.size());
-  const SurfaceMesh original = build_surface_mesh(input.soup.points, input.soup.faces);
-  result.certificate = certify(input.soup, &original, result.strips, params.max_sides, 20000, context);
-  result.report.patches = static_cast<int>(result.strips.patches.size());
-  result.report.hausdorff = result.certificate.distance.hausdorff() / norm.diagonal;
-  result.report.mean_distance = result.certificate.distance.mean / norm.diagonal;
-  result.report.e_max_met = result.report.hausdorff <= params.e_max;
-  result.report.isometry_error = result.certificate.isometry_error;
-  laps.lap("certify");
+  auto start = Clock::now();
+  context.report(Stage::kPrepare, 0);
+  RepairResult repaired = repair(input.soup, context);
+  result.audit = std::move(repaired.audit);
+  const Normalisation norm = normalisation(repaired.mesh.points);
+  result.params = resolved(params, norm);
+  result.bbox_diagonal = norm.diagonal;
+  const double e_max = result.params.e_max;
+  SurfaceMesh normal_mesh = repaired.mesh;
+  for (Vector3& p : normal_mesh.points) p = norm.in(p);
+  const auto [component, count] = face_components(normal_mesh);
+  TriangleSoup user_soup;
+  ClosestPointTree user_tree;
+  if (field != nullptr) {
+    require(field->per_face.empty() ? field->per_vertex.size() == input.soup.points.size() : field->per_face.size() == input.soup.faces.size(),
+            "field", "one direction for each vertex or face of the mesh");
+    user_soup = input.soup;
+    for (Vector3& p : user_soup.points) p = norm.in(p);
+    user_tree = ClosestPointTree(user_soup.points, user_soup.faces);
+  }
+  result.report.timings["prepare"] += seconds_since(start);
+  for (int c = 0; c < count; ++c) {
+    start = Clock::now();
+    const SurfaceMesh mesh = component_mesh(normal_mesh, component, c);
+    ComponentInput ci;
+    ci.prepared = prepared_component(mesh, result.params, e_max, context);
+    ci.reference = {mesh.points, mesh.faces};
+    if (field != nullptr) ci.guide = carry_guide(*field, user_soup, user_tree, ci.prepared.mesh);
+    result.report.timings["prepare"] += seconds_since(start);
+    const ComponentResult cr = decompose_component(ci, component_params(result.params, e_max), context);
+    append(result.strips, cr.strips, c);
+    for (const auto& [name, s] : cr.seconds) result.report.timings[name] += s;
+    result.report.notes.insert(result.report.notes.end(), cr.notes.begin(), cr.notes.end());
+  }
+  for (Vector3& p : result.strips.points) p = norm.out(p);
+  for (Vector2& u : result.strips.uvs) u *= norm.diagonal;
+  start = Clock::now();
+  result.certificate = certify(input.soup, &repaired.mesh, result.strips, params.max_sides, 20000, context);
+  result.report.timings["certify"] += seconds_since(start);
+  fill_report(result, norm, e_max);
+  if (!result.certificate.strict()) {
+    const Defect& d = result.certificate.defects.front();
+    throw Error(ErrorCode::kInternal, "the result broke its own certificate: " + d.check + " " + d.text);
+  }
   return result;
 }
 

@@ -34,9 +34,16 @@ class Extractor {
             const LayoutRules& rules)
       : mesh_(mesh), net_(network), versions_(versions), rules_(rules) {}
 
-  PatchLayout run() {
+  PatchLayout run(const std::vector<int>* faces) {
+    out_.node.assign(mesh_.points.size(), 0);
+    out_.face_patch.assign(mesh_.faces.size(), -1);
+    out_.edge_arch.assign(mesh_.edges.size(), -1);
+    if (faces != nullptr) {
+      for (int f : *faces) flood(f);
+    } else {
+      for (int f = 0; f < mesh_.face_count(); ++f) flood(f);
+    }
     mark_nodes();
-    flood();
     chain_arches();
     walk_boundaries();
     for (Patch& patch : out_.patches) judge(patch);
@@ -45,43 +52,43 @@ class Extractor {
 
  private:
   void mark_nodes() {
-    out_.node.assign(mesh_.points.size(), 0);
-    for (int v = 0; v < mesh_.vertex_count(); ++v) {
-      int degree = 0, first = -1;
-      bool differ = false;
-      for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e) {
-        const int path = net_.edge_path[*e];
-        if (path == PathNetwork::kFree) continue;
-        if (degree++ == 0) first = path;
-        differ |= path != first;
-      }
-      out_.node[v] = degree > 0 && (degree != 2 || differ || net_.pinned_node[v]);
-    }
+    for (const Patch& patch : out_.patches)
+      for (int f : patch.faces)
+        for (int k = 0; k < 3; ++k)
+          if (net_.used(mesh_.face_edges[f][k])) mark_node(mesh_.faces[f][k]), mark_node(mesh_.faces[f][(k + 1) % 3]);
   }
 
-  void flood() {
-    out_.face_patch.assign(mesh_.faces.size(), -1);
-    std::vector<int> stack;
-    for (int seed = 0; seed < mesh_.face_count(); ++seed) {
-      if (out_.face_patch[seed] >= 0) continue;
-      const int id = static_cast<int>(out_.patches.size());
-      out_.patches.emplace_back();
-      Patch& patch = out_.patches.back();
-      stack.assign(1, seed);
-      out_.face_patch[seed] = id;
-      while (!stack.empty()) {
-        const int f = stack.back();
-        stack.pop_back();
-        patch.faces.push_back(f);
-        for (int e : mesh_.face_edges[f]) {
-          if (net_.used(e)) continue;
-          const int g = mesh_.edges[e].other_face(f);
-          if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
-        }
-      }
-      std::sort(patch.faces.begin(), patch.faces.end());
-      for (int f : patch.faces) patch.area += mesh_.face_normal_raw(f).norm() / 2;
+  void mark_node(int v) {
+    int degree = 0, first = -1;
+    bool differ = false;
+    for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e) {
+      const int path = net_.edge_path[*e];
+      if (path == PathNetwork::kFree) continue;
+      if (degree++ == 0) first = path;
+      differ |= path != first;
     }
+    out_.node[v] = degree > 0 && (degree != 2 || differ || net_.pinned_node[v]);
+  }
+
+  void flood(int seed) {
+    if (out_.face_patch[seed] >= 0) return;
+    const int id = static_cast<int>(out_.patches.size());
+    out_.patches.emplace_back();
+    Patch& patch = out_.patches.back();
+    std::vector<int> stack{seed};
+    out_.face_patch[seed] = id;
+    while (!stack.empty()) {
+      const int f = stack.back();
+      stack.pop_back();
+      patch.faces.push_back(f);
+      for (int e : mesh_.face_edges[f]) {
+        if (net_.used(e)) continue;
+        const int g = mesh_.edges[e].other_face(f);
+        if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
+      }
+    }
+    std::sort(patch.faces.begin(), patch.faces.end());
+    for (int f : patch.faces) patch.area += mesh_.face_normal_raw(f).norm() / 2;
   }
 
   int next_edge(int v, int from) const {
@@ -101,16 +108,46 @@ class Extractor {
     return -1;
   }
 
-  void trace_arch(int v, int e) {
+  int side(int e, int from) const {
+    const int f = left_face(e, from);
+    return f < 0 ? Arch::kOutside : out_.face_patch[f] < 0 ? Arch::kUnknown : out_.face_patch[f];
+  }
+
+  // From edge e on through vertex v, to the last edge before a node (or around a closed arch, back to e).
+  std::pair<int, int> run_to_end(int e, int v) const {
+    for (int last = e; !out_.node[v];) {
+      const int next = next_edge(v, last);
+      if (next < 0 || next == e) return {-1, -1};  // closed
+      v = mesh_.edges[next].other(v);
+      last = next;
+      if (out_.node[v]) return {v, last};
+    }
+    return {v, e};
+  }
+
+  // Where an arch starts does not depend on how it was found: at the end with the lower (vertex, edge), and a closed
+  // one without nodes at its lowest vertex, towards the lower neighbour.
+  void trace_arch(int e) {
+    auto a = run_to_end(e, mesh_.edges[e].v0), b = run_to_end(e, mesh_.edges[e].v1);
+    if (a.first < 0) {
+      int v = mesh_.edges[e].v0, lowest = v, at = e;
+      for (int x = e; (x = next_edge(v, x)) != e;) v = mesh_.edges[x].other(v), lowest = std::min(lowest, v);
+      at = next_edge(lowest, -1);
+      const int other = next_edge(lowest, at);
+      a = b = {lowest, mesh_.edges[at].other(lowest) < mesh_.edges[other].other(lowest) ? at : other};
+    }
+    walk_arch(std::min(a, b).first, std::min(a, b).second);
+  }
+
+  void walk_arch(int v, int e) {
     const int id = static_cast<int>(out_.arches.size());
     out_.arches.emplace_back();
     Arch& arch = out_.arches.back();
     arch.path = net_.edge_path[e];
     const int start = v;
     arch.vertices.push_back(v);
-    const int lf = left_face(e, v), rf = left_face(e, mesh_.edges[e].other(v));
-    arch.left = lf < 0 ? -1 : out_.face_patch[lf];
-    arch.right = rf < 0 ? -1 : out_.face_patch[rf];
+    arch.left = side(e, v);
+    arch.right = side(e, mesh_.edges[e].other(v));
     while (e >= 0) {
       out_.edge_arch[e] = id;
       arch.edges.push_back(e);
@@ -121,18 +158,15 @@ class Extractor {
       e = next_edge(v, e);
     }
     arch.key = static_cast<std::uint64_t>(arch.path);  // corners depend on which paths meet
-    for (int w : arch.vertices) arch.key = mix(arch.key, (static_cast<std::uint64_t>(w) << 32) ^ static_cast<unsigned>(versions_[w]));
+    for (int w : arch.vertices)
+      arch.key = mix(arch.key, (static_cast<std::uint64_t>(w) << 32) ^ static_cast<unsigned>(versions_[w]));
   }
 
   void chain_arches() {
-    out_.edge_arch.assign(mesh_.edges.size(), -1);
-    for (int v = 0; v < mesh_.vertex_count(); ++v) {
-      if (!out_.node[v]) continue;
-      for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e)
-        if (net_.used(*e) && out_.edge_arch[*e] < 0) trace_arch(v, *e);
-    }
-    for (int e = 0; e < mesh_.edge_count(); ++e)  // closed arches without a node
-      if (net_.used(e) && out_.edge_arch[e] < 0) trace_arch(mesh_.edges[e].v0, e);
+    for (const Patch& patch : out_.patches)
+      for (int f : patch.faces)
+        for (int e : mesh_.face_edges[f])
+          if (net_.used(e) && out_.edge_arch[e] < 0) trace_arch(e);
   }
 
   // The next boundary half-edge after corner k of f, turning inside the patch.
@@ -267,6 +301,39 @@ PathNetwork bare_network(const SurfaceMesh& mesh) {
   return network;
 }
 
+void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network) {
+  const auto creases_at = [&](int v) {
+    std::vector<int> edges;
+    for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e)
+      if (crease_edge[*e]) edges.push_back(*e);
+    return edges;
+  };
+  const auto ends_at = [&](int v) {
+    const auto edges = creases_at(v);
+    if (edges.size() != 2 || mesh.border_vertex[v]) return true;
+    const Vector3 a = mesh.points[mesh.edges[edges[0]].other(v)] - mesh.points[v];
+    const Vector3 b = mesh.points[mesh.edges[edges[1]].other(v)] - mesh.points[v];
+    return a.normalized().dot(b.normalized()) > -std::cos(50 * kDegree);
+  };
+  const auto follow = [&](int v, int e) {
+    const int path = network.add_path(PathKind::kCrease);
+    while (network.edge_path[e] == PathNetwork::kFree) {
+      network.edge_path[e] = path;
+      v = mesh.edges[e].other(v);
+      if (ends_at(v)) break;
+      const auto edges = creases_at(v);
+      e = edges[0] == e ? edges[1] : edges[0];
+    }
+  };
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    if (!ends_at(v)) continue;
+    for (int e : creases_at(v))
+      if (network.edge_path[e] == PathNetwork::kFree) follow(v, e);
+  }
+  for (int e = 0; e < mesh.edge_count(); ++e)
+    if (crease_edge[e] && network.edge_path[e] == PathNetwork::kFree) follow(mesh.edges[e].v0, e);
+}
+
 int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
   int degree = 0;
   for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) degree += network.used(*e);
@@ -275,7 +342,12 @@ int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
 
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
                            const LayoutRules& rules) {
-  return Extractor(mesh, network, versions, rules).run();
+  return Extractor(mesh, network, versions, rules).run(nullptr);
+}
+
+PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
+                           const LayoutRules& rules, const std::vector<int>& faces) {
+  return Extractor(mesh, network, versions, rules).run(&faces);
 }
 
 }  // namespace sheetform

@@ -34,14 +34,19 @@ struct PathNetwork {
 /// [126, 243] degrees are pinned (experiments.md, pitfall 7).
 PathNetwork bare_network(const SurfaceMesh& mesh);
 
+/// Marks creases (by edge) as paths: chains between crease ends, junctions and turns of more than 50 degrees.
+void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network);
+
 /// Number of network edges at a vertex.
 int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v);
 
 struct Arch {
+  static constexpr int kOutside = -1;  ///< no surface there
+  static constexpr int kUnknown = -2;  ///< not part of the extracted region
   std::vector<int> vertices;  ///< mesh vertices from node to node; a closed arch repeats its first
   std::vector<int> edges;
   int path = -1;
-  int left = -1, right = -1;  ///< patches on both sides of the walk; -1 outside the surface
+  int left = -1, right = -1;  ///< patches on both sides of the walk; kOutside or kUnknown when there is none
   double length = 0;
   std::uint64_t key = 0;      ///< of its geometry: same key = same vertices at the same versions
   bool closed() const { return vertices.front() == vertices.back(); }
@@ -74,6 +79,11 @@ struct PatchLayout {
 struct LayoutRules {
   bool self_seams = true;  ///< a patch may be glued to itself along an arch
 };
+
+/// The part of the layout that covers these faces, which must be whole patches; arches and keys are those of the whole
+/// layout, patch ids are not. O(faces given) apart from clearing a few arrays.
+PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
+                           const LayoutRules& rules, const std::vector<int>& faces);
 
 /// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex, changes when
 /// the vertex has moved. O(faces).

@@ -120,7 +120,7 @@ std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const Pat
   return (static_cast<std::uint64_t>(a) << 32) | static_cast<unsigned>(origin.sample);
 }
 
-double anchor_weight(const Arch& arch) { return arch.right < 0 || arch.left < 0 ? 0.3 : 0.02; }
+double anchor_weight(const Arch& arch) { return arch.right == Arch::kOutside || arch.left == Arch::kOutside ? 0.3 : 0.02; }
 
 // Consecutive points of the same arch around polygon point i, or false.
 bool inside_arch(const PatchPolygon& polygon, int i) { return !polygon.node[i]; }

@@ -5,7 +5,10 @@
 #include <limits>
 #include <numeric>
 #include <queue>
+#include <set>
 #include <tuple>
+#include <unordered_map>
+#include <utility>
 
 namespace sheetform {
 namespace {
@@ -293,6 +296,46 @@ std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& ch
   return {-1, -1};
 }
 
+// From the loose end of a slit (a crease that ends inside of the patch) to the nearest other network vertex.
+std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& layout, int patch) {
+  const auto degree = [&](int v) {
+    int d = 0;
+    for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) d += layout.edge_arch[*e] >= 0;
+    return d;
+  };
+  int loose = -1, own = -1;
+  for (const ArchUse& use : layout.patches[patch].boundary) {
+    const Arch& a = layout.arches[use.arch];
+    for (int v : {a.vertices.front(), a.vertices.back()})
+      if (a.left == a.right && degree(v) == 1) loose = v, own = use.arch;
+  }
+  if (loose < 0) return {};
+  std::unordered_map<int, std::pair<double, int>> known{{loose, {0, -1}}};
+  const std::set<int> own_vertices(layout.arches[own].vertices.begin(), layout.arches[own].vertices.end());
+  Queue queue;
+  queue.emplace(0, loose);
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > known[v].first) continue;
+    if (v != loose && degree(v) > 0) {
+      std::vector<int> edges;
+      for (int w = v; known[w].second >= 0;) edges.push_back(known[w].second), w = mesh.edges[known[w].second].other(w);
+      return edges;
+    }
+    for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) {
+      const int w = mesh.edges[*e].other(v);
+      if (layout.edge_arch[*e] >= 0 || own_vertices.count(w)) continue;
+      const double next = d + mesh.edge_length(*e);
+      const auto it = known.find(w);
+      if (it != known.end() && it->second.first <= next) continue;
+      known[w] = {next, *e};
+      queue.emplace(next, w);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch, const PatchEvaluation& evaluation) {
@@ -300,6 +343,10 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
   if (p.defect == TopologyDefect::kNotADisk) {
     std::vector<int> edges = cut_to_disk(mesh, layout, p);
     if (edges.empty() && p.loops == 0) edges = halve_closed(mesh, layout, p);
+    if (!edges.empty()) return edges;
+  }
+  if (p.defect == TopologyDefect::kDangling) {
+    const std::vector<int> edges = extend_loose_end(mesh, layout, patch);
     if (!edges.empty()) return edges;
   }
   PatchChart own;

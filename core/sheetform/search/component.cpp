@@ -1,0 +1,138 @@
+#include "sheetform/search/component.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "sheetform/base/error.h"
+#include "sheetform/search/finish.h"
+#include "sheetform/strip/certificate.h"
+
+namespace sheetform {
+namespace {
+
+class Laps {
+ public:
+  explicit Laps(std::map<std::string, double>& seconds) : seconds_(seconds), last_(Clock::now()) {}
+  void lap(Stage stage) {
+    const auto now = Clock::now();
+    seconds_[to_string(stage)] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::map<std::string, double>& seconds_;
+  Clock::time_point last_;
+};
+
+// The layout as strips, and what is still wrong with it.
+struct Attempt {
+  StripMesh strips;
+  std::vector<int> invalid;        // patches that break a strict promise
+  std::vector<int> too_far;        // valid patches beyond the tolerance
+  double distance = 0;
+};
+
+class ComponentRun {
+ public:
+  ComponentRun(const ComponentInput& input, const ComponentParams& params, RunContext& context)
+      : input_(input), params_(params), context_(context), tree_(input.reference.points, input.reference.faces), laps_(result_.seconds) {}
+
+  ComponentResult run() {
+    const SurfaceMesh& mesh = input_.prepared.mesh;
+    const auto& crease = input_.prepared.crease_edge;
+    context_.report(Stage::kField, 0);
+    const CurvatureField curvature = principal_curvature(mesh, crease, {}, context_);
+    const CrossField field = cross_field(mesh, crease, curvature, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+    laps_.lap(Stage::kField);
+    context_.report(Stage::kTrace, 0);
+    const TracingGraph graph = tracing_graph(mesh, crease, field, {}, context_);
+    TraceParams trace;
+    trace.seeds = params_.seeds;
+    std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
+    laps_.lap(Stage::kTrace);
+    surface_.mesh = mesh;
+    surface_.versions.assign(mesh.points.size(), 0);
+    surface_.guide = surface_guide(mesh, curvature);
+    surface_.input = &tree_;
+    PathNetwork network = bare_network(mesh);
+    add_creases(mesh, crease, network);
+    SearchParams search_params;
+    search_params.evaluation = params_.evaluation;
+    search_params.evaluation.e_max *= params_.margin;
+    LayoutSearch search(surface_, std::move(network), graph, std::move(candidates), search_params, context_);
+    search.insert();
+    laps_.lap(Stage::kInsert);
+    reduce(search);
+    laps_.lap(Stage::kRemove);
+    finish(search);
+    laps_.lap(Stage::kFinal);
+    return std::move(result_);
+  }
+
+ private:
+  void reduce(LayoutSearch& search) {
+    search.remove_paths();
+    if (params_.evaluation.t_junctions) {
+      search.remove_arches();
+      search.improve(params_.improvements, params_.seed);
+    }
+  }
+
+  // Final strips of the present layout; what breaks a promise is split, until nothing does.
+  void finish(LayoutSearch& search) {
+    bool have_best = false;
+    double best = 0;
+    for (int round = 0; round < 80; ++round) {
+      context_.report(Stage::kFinal, round / (round + 4.0));
+      search.smooth();
+      const Attempt attempt = build(search);
+      if (attempt.invalid.empty()) {
+        // More parts must buy less error.
+        if (!have_best || attempt.distance < best) result_.strips = attempt.strips, result_.distance = best = attempt.distance;
+        have_best = true;
+        if (attempt.too_far.empty() || round >= 30) return;
+        if (search.split(attempt.too_far, PatchVerdict::kError) == 0) return;
+      } else if (search.split(attempt.invalid, PatchVerdict::kOverlap) == 0) {
+        break;
+      }
+    }
+    if (!have_best) throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
+  }
+
+  Attempt build(LayoutSearch& search) {
+    EvaluationParams fine = params_.evaluation;
+    fine.e_max *= params_.margin;
+    fine.spacing = params_.fine_spacing;
+    const FinishedLayout finished =
+        finish_layout(surface_, search.network().network(), search.layout(), fine, 10, context_);
+    Attempt attempt;
+    attempt.invalid = finished.failing;
+    if (!attempt.invalid.empty()) return attempt;
+    attempt.strips = assemble_strips(finished.source);
+    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
+      if (!check_patch(attempt.strips, p, 1.0).empty()) attempt.invalid.push_back(p);
+    if (!attempt.invalid.empty()) return attempt;
+    const DistanceReport d = measure_distance(input_.reference, tree_, attempt.strips, 4000, context_);
+    attempt.distance = d.hausdorff();
+    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
+      if (d.patch_error[p] > params_.evaluation.e_max) attempt.too_far.push_back(p);
+    return attempt;
+  }
+
+  const ComponentInput& input_;
+  const ComponentParams& params_;
+  RunContext& context_;
+  ClosestPointTree tree_;
+  SearchSurface surface_;
+  ComponentResult result_;
+  Laps laps_;
+};
+
+}  // namespace
+
+ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params, RunContext& context) {
+  return ComponentRun(input, params, context).run();
+}
+
+}  // namespace sheetform
