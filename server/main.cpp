@@ -7,6 +7,7 @@
 #include "server/base/version.h"
 #include "server/cli/commands.h"
 #include "server/cli/help.h"
+#include "server/jobs/worker_command.h"
 #include "server/mapping/errors.h"
 
 namespace sheetform::server {
@@ -24,7 +25,9 @@ int version_command(const ParsedLine&) {
   return kExitOk;
 }
 
-constexpr Command kCommands[] = {{decompose_spec, decompose_command}, {version_spec, version_command}};
+constexpr Command kCommands[] = {
+    {decompose_spec, decompose_command}, {verify_spec, verify_command},
+                                   {serve_spec, serve_command}, {version_spec, version_command}};
 
 std::vector<CommandSpec> specs() {
   std::vector<CommandSpec> list;
@@ -44,6 +47,7 @@ int run_command(const std::vector<std::string>& arguments) {
     std::fputs(program_help(specs()).c_str(), arguments.empty() ? stderr : stdout);
     return arguments.empty() ? kExitUsage : kExitOk;
   }
+  if (name == "worker") return worker_command();
   const Command* command = find_command(name == "--version" ? "version" : name);
   if (command == nullptr)
     throw Error(ErrorCode::kInvalidParameter, "there is no command " + name, "command line",

@@ -1,8 +1,8 @@
 // Builds web/dist: the page's bundle (three.js apart, loaded when a shape is first shown), the worker, styles, files.
 // Names carry a hash of their content, so a browser may keep them for ever; index.html alone has a fixed name.
 import { build } from "esbuild";
-import { cp, mkdir, readFile, rename, rm, writeFile } from "node:fs/promises";
-import { brotliCompressSync, gzipSync } from "node:zlib";
+import { cp, mkdir, readFile, readdir, rm, writeFile } from "node:fs/promises";
+import { gzipSync } from "node:zlib";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -41,17 +41,37 @@ const html = (await readFile(path.join(here, "index.html"), "utf8"))
 await writeFile(path.join(fresh, "index.html"), html);
 await cp(path.join(here, "static"), fresh, { recursive: true });
 
-await rm(path.join(here, "dist"), { recursive: true, force: true });
-await rename(fresh, path.join(here, "dist"));
-
-// What a first visit loads; the bar is 300 KB compressed for everything together.
-const files = [...Object.keys(worker.metafile.outputs), ...Object.keys(page.metafile.outputs)].map((file) => path.basename(file));
+// What a first visit loads, compressed; the bar is 300 KB for everything together. The server sends the .gz as it is.
 let total = 0;
-for (const name of files) {
-  const bytes = await readFile(path.join(here, "dist/assets", name));
-  const gzip = gzipSync(bytes, { level: 9 }).length;
-  total += gzip;
-  console.log(`  ${name.padEnd(28)} ${kilo(bytes.length)} KB, gzip ${kilo(gzip)} KB, br ${kilo(brotliCompressSync(bytes).length)} KB`);
+for (const name of await filesIn(fresh)) {
+  const bytes = await readFile(path.join(fresh, name));
+  const packed = gzipSync(bytes, { level: 9 });
+  if (/\.(js|css|html|svg)$/.test(name)) await writeFile(path.join(fresh, `${name}.gz`), packed);
+  total += packed.length;
+  console.log(`  ${name.padEnd(30)} ${kilo(bytes.length)} KB, gzip ${kilo(packed.length)} KB`);
 }
-console.log(`  all of it gzip ${kilo(total)} KB`);
+console.log(`  all of it, gzip ${kilo(total)} KB`);
+
+// Files that did not change keep their time, so that nothing is linked again for nothing.
+const dist = path.join(here, "dist");
+const wanted = new Set(await filesIn(fresh));
+for (const name of await filesIn(dist)) if (!wanted.has(name)) await rm(path.join(dist, name));
+for (const name of wanted) {
+  const [next, old] = [await readFile(path.join(fresh, name)), await readFile(path.join(dist, name)).catch(() => null)];
+  if (old && next.equals(old)) continue;
+  await mkdir(path.dirname(path.join(dist, name)), { recursive: true });
+  await writeFile(path.join(dist, name), next);
+}
+await rm(fresh, { recursive: true });
+
+/** Paths of all files below a folder, sorted; none when it is not there. */
+async function filesIn(folder, prefix = "") {
+  const entries = await readdir(path.join(folder, prefix), { withFileTypes: true }).catch(() => []);
+  const found = await Promise.all(entries.map((entry) => {
+    const name = path.posix.join(prefix, entry.name);
+    return entry.isDirectory() ? filesIn(folder, name) : [name];
+  }));
+  return found.flat().sort();
+}
+
 function kilo(bytes) { return (bytes / 1024).toFixed(0).padStart(4); }

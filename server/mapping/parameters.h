@@ -1,6 +1,7 @@
 // Parameters between the wire (values by name, as parameters.schema.json defines them) and core
 // (DecomposeParams).
 #pragma once
+#include "server/mapping/wire_parameters.h"
 #include "sheetform/decompose.h"
 #include "sheetform_api/parameter_schema.h"
 
@@ -10,9 +11,5 @@ namespace sheetform::server {
 DecomposeParams to_core(const api::Json& values);
 /// The reverse; optional parameters that are not set are absent.
 api::Json to_wire(const DecomposeParams& params);
-
-/// Fills in the defaults and checks everything that can be checked without the mesh: names, types, ranges,
-/// and what core can do today. Throws Error kInvalidParameter (where: the parameter's name).
-api::Json understood_parameters(const api::Json& given);
 
 }  // namespace sheetform::server

@@ -29,6 +29,9 @@ export const UNITS = [
   { id: "m", title: "m", scale: 1000 },
 ];
 
+/** A size to offer when the file's own cannot be meant: it fits on a table. */
+export const OFFERED_SIZE = 200;
+
 /** What is odd about a finished size in mm, in words; null when nothing is. */
 export function sizeWarning(longest, material) {
   if (longest < 15) return "That is smaller than a thumbnail. Is the file in another unit, perhaps inches, centimetres or metres?";

@@ -4,6 +4,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/blueprint.h"
+#include "sheetform/blueprint/joints.h"
 #include "sheetform/blueprint/nesting.h"
 #include "sheetform/blueprint/part_marks.h"
 #include "sheetform/blueprint/seams.h"
@@ -197,6 +198,7 @@ Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vecto
   b.flat = flat_places(strips, scale, mirrored);
   add_parts(b, labels);
   b.seams = seams_of(strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
+  add_joints(b);
   add_marks(b);
   add_cuts(b);
   nest(b);

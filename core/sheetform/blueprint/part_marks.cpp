@@ -136,7 +136,8 @@ class PartMarks {
       double length = o_.notch_size;
       const Vector2 root = p + 1e-4 * in;  // off the outline itself
       while (length > 0.1 * o_.notch_size && inside_.crossed(root, p + 1.2 * length * in)) length /= 2;
-      if (o_.notches == NotchStyle::kTick) draw(Operation::kNotch, {p, p + length * in}, seam.number);
+      if (o_.notches == NotchStyle::kTick || o_.tabs != TabSides::kNone)
+        draw(Operation::kNotch, {p, p + length * in}, seam.number);
       taken_.push_back({p + length / 2 * in, in, length / 2 + 0.2, 0.3});
     }
   }

@@ -19,7 +19,7 @@ constexpr double kLargest = 1e60;  // products of larger coordinates overflow
   throw Error(ErrorCode::kUnreadableMesh, what, where, "Use the files as the decomposition wrote them");
 }
 
-void check_size(std::string_view text, const char* name, const ReadLimits& limits) {
+void check_size(std::string_view text, const char* name, const ResultLimits& limits) {
   if (text.size() > limits.max_bytes)
     throw Error(ErrorCode::kLimitExceeded,
                 "the file has more than " + std::to_string(limits.max_bytes) + " bytes", name);
@@ -277,7 +277,7 @@ Json parse_json(std::string_view text) {
 
 }  // namespace
 
-StoredResult read_result(std::string_view ruled_obj, std::string_view layout_json, const ReadLimits& limits) {
+StoredResult read_result(std::string_view ruled_obj, std::string_view layout_json, const ResultLimits& limits) {
   check_size(ruled_obj, "ruled.obj", limits);
   check_size(layout_json, "layout.json", limits);
   Obj obj = ObjReader().read(ruled_obj);

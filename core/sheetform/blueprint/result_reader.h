@@ -24,7 +24,7 @@ struct StoredResult {
   std::string report;      ///< the object "report" as JSON text
 };
 
-struct ReadLimits {
+struct ResultLimits {
   std::size_t max_bytes = std::size_t{256} << 20;  ///< of each file
 };
 
@@ -33,6 +33,6 @@ struct ReadLimits {
 /// kLimitExceeded when a file is larger than allowed. What it returns may still break the structural
 /// promises: check_structure tells. Cost O(n log n).
 StoredResult read_result(std::string_view ruled_obj, std::string_view layout_json,
-                         const ReadLimits& limits = {});
+                         const ResultLimits& limits = {});
 
 }  // namespace sheetform

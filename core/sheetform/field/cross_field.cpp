@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "sheetform/base/error.h"
 #include "sheetform/field/tangent_frame.h"
@@ -35,7 +36,7 @@ std::vector<double> cotangent_weights(const SurfaceMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const Vector3& apex = mesh.points[t[(k + 2) % 3]];
       const double cot = (mesh.points[t[k]] - apex).dot(mesh.points[t[(k + 1) % 3]] - apex) / twice_area;
-      weight[mesh.face_edges[f][k]] += cot / 2;
+      weight[mesh.face_edges[f][k]] += std::clamp(cot, -20.0, 20.0) / 2;
     }
   }
   for (double& w : weight) w = std::clamp(w, 0.05, 20.0);
@@ -246,9 +247,20 @@ void anchor_if_free(FieldProblem& problem) {
 
 }  // namespace
 
+int closest_direction(const CrossField& field, int v, const Vector3& w) {
+  const double along = field.dir[v].dot(w), across = field.normal[v].cross(field.dir[v]).dot(w);
+  if (std::abs(along) >= std::abs(across)) return along >= 0 ? 0 : 2;
+  return across >= 0 ? 1 : 3;
+}
+
 CrossField cross_field(const SurfaceMesh& mesh, const std::vector<char>& crease_edge,
                        const CurvatureField& curvature, const std::vector<Vector3>* guide,
                        const FieldParams& params, RunContext& context) {
+  if (guide != nullptr && guide->size() != mesh.points.size())
+    throw Error(
+        ErrorCode::kInvalidParameter, "the guide field does not fit the mesh",
+        std::to_string(guide->size()) + " directions for " + std::to_string(mesh.points.size()) + " vertices",
+        "give one direction for each vertex, zero where it is free");
   const double diagonal = bounding_box_diagonal(mesh.points);
   const double lambda = 1 / std::pow(params.feature_length * diagonal, 2);
   const std::vector<TangentFrame> frames = tangent_frames(curvature.normal);

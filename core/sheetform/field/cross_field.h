@@ -46,6 +46,9 @@ struct CrossField {
   }
 };
 
+/// The direction 0..3 of the cross at v that is closest to the tangential part of w.
+int closest_direction(const CrossField& field, int v, const Vector3& w);
+
 struct FieldParams {
   double feature_length =
       0.1;  ///< Lf: alignment beats smoothness above this length, in bounding-box diagonals

@@ -149,6 +149,11 @@ Vector2 nearest_weights(double d1, double d2, double bb, double bc, double cc) {
   return {vb / sum, vc / sum};
 }
 
+bool is_thin(const Vector3& ab, const Vector3& ac) {
+  const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+  return !(ab.cross(ac).norm() > 1e-10 * longest2);
+}
+
 }  // namespace
 
 struct ClosestPointTree::Builder {
@@ -218,9 +223,8 @@ ClosestPointTree::ClosestPointTree(const std::vector<Vector3>& points,
   for (const Item& item : builder.items) {
     const auto& t = faces[item.face];
     const Vector3 ab = points[t[1]] - points[t[0]], ac = points[t[2]] - points[t[0]];
-    const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-    const bool thin = !(ab.cross(ac).norm() > 1e-10 * longest2);
-    triangles_.push_back({points[t[0]], ab, ac, ab.dot(ab), ab.dot(ac), ac.dot(ac), item.face, thin});
+    triangles_.push_back(
+        {points[t[0]], ab, ac, ab.dot(ab), ab.dot(ac), ac.dot(ac), item.face, is_thin(ab, ac)});
   }
 }
 
@@ -278,6 +282,14 @@ ClosestPoint ClosestPointTree::closest(const Vector3& query, double bound2) cons
   }
   if (best.face < 0) best.squared_distance = std::numeric_limits<double>::infinity();
   return best;
+}
+
+double distance_to_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 w = query - a, ab = b - a, ac = c - a;
+  const Vector2 weights = is_thin(ab, ac)
+                              ? nearest_on_sides(w, ab, ac)
+                              : nearest_weights(w.dot(ab), w.dot(ac), ab.dot(ab), ab.dot(ac), ac.dot(ac));
+  return (w - weights[0] * ab - weights[1] * ac).norm();
 }
 
 }  // namespace sheetform

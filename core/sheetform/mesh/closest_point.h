@@ -48,4 +48,7 @@ class ClosestPointTree {
   double scale_ = 1;  // of a model length to a normalised one
 };
 
+/// Distance of a point to one triangle, which may be degenerate.
+double distance_to_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c);
+
 }  // namespace sheetform

@@ -15,12 +15,37 @@ constexpr double kLeastLoop = 0.04, kLeastNetwork = 0.06;
 constexpr double kLooseAtBorder = 0.15, kLooseAtCrease = 0.35, kLooseBoth = 0.5;
 constexpr double kMostZigzag = 8, kMostZigzagLoose = 6, kMostTurn = 30;  // per vertex of a chain
 constexpr int kMostPasses = 50;
-constexpr int kMostFaces = 64;  // of the surroundings of an edge, on one side
+constexpr double kConfirmed = 20;  // between the normals of a sliver and a neighbour
+constexpr double kSliver = 0.01;   // height over longest side below which a face has no normal of its own
+constexpr int kMostFaces = 64;     // of the surroundings of an edge, on one side
 
 enum Mark : char { kNone = 0, kWeak = 1, kStrong = 2 };
 
 double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+}
+
+// Twice the area over the squared longest side: 0.87 for an equilateral triangle, 0 for a degenerate one.
+double fatness(const SurfaceMesh& mesh, int f) {
+  double longest = 0;
+  for (int e : mesh.face_edges[f]) longest = std::max(longest, mesh.edge_length(e));
+  return longest > 0 ? mesh.face_normal_raw(f).norm() / (longest * longest) : 0;
+}
+
+// The normal of a sliver says little: unless a neighbour confirms it, it takes the direction of its largest
+// neighbour.
+Vector3 trusted_normal(const SurfaceMesh& mesh, int f) {
+  const Vector3 own = mesh.face_normal_raw(f);
+  if (fatness(mesh, f) >= kSliver) return own;
+  Vector3 largest = Vector3::Zero();
+  for (int e : mesh.face_edges[f]) {
+    const int g = mesh.edges[e].other_face(f);
+    if (g < 0) continue;
+    const Vector3 n = mesh.face_normal_raw(g);
+    if (own.norm() > 0 && angle_between(own, n) < kConfirmed) return own;
+    if (n.squaredNorm() > largest.squaredNorm()) largest = n;
+  }
+  return largest.norm() > 0 ? Vector3(largest.normalized() * own.norm()) : own;
 }
 
 // Dihedral angles and how much of the turning nearby they are.
@@ -30,8 +55,8 @@ class Sharpness {
       : mesh_(mesh), mean_edge_(mean_edge_length(mesh)), barrier_(barrier) {
     for (int f = 0; f < mesh.face_count(); ++f) {
       const auto& t = mesh.faces[f];
-      normals_.push_back(mesh.face_normal_raw(f));
       middles_.push_back((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
+      normals_.push_back(trusted_normal(mesh, f));
     }
   }
 

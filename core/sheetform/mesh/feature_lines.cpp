@@ -112,11 +112,6 @@ void mark_corners(const SurfaceMesh& mesh, const Line& line, double scale, std::
 
 }  // namespace
 
-Vector3 FeatureLines::project(int line, const Vector3& query) const {
-  const ClosestPoint c = tree.closest(query);
-  return c.face >= 0 && segment_line[c.face] == line ? c.point : query;
-}
-
 FeatureLines feature_lines(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, double scale) {
   FeatureLines result;
   result.edge_line.assign(mesh.edges.size(), -1);
@@ -125,17 +120,15 @@ FeatureLines feature_lines(const SurfaceMesh& mesh, const std::vector<char>& cre
   const std::vector<Line> lines = tracer.lines();
   for (const Line& line : lines)
     if (!line.closed) result.corner[line.vertices.front()] = result.corner[line.vertices.back()] = 1;
-  std::vector<std::array<int, 3>> segments;
   for (const Line& line : lines) {
+    std::vector<std::array<int, 3>> segments;
     for (int e : line.edges) {
-      result.edge_line[e] = result.count;
+      result.edge_line[e] = static_cast<int>(result.segments.size());
       segments.push_back({mesh.edges[e].v0, mesh.edges[e].v1, mesh.edges[e].v1});
-      result.segment_line.push_back(result.count);
     }
     mark_corners(mesh, line, scale, result.corner);
-    ++result.count;
+    result.segments.emplace_back(mesh.points, segments);
   }
-  result.tree = ClosestPointTree(mesh.points, segments);
   return result;
 }
 

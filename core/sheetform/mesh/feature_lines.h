@@ -10,13 +10,10 @@ namespace sheetform {
 struct FeatureLines {
   std::vector<int> edge_line;  ///< of each edge: its line, -1 for none
   std::vector<char> corner;    ///< of each vertex: a line ends or turns sharply here; it has to stay
-  int count = 0;
+  std::vector<ClosestPointTree> segments;  ///< of each line, as triangles without area
 
-  /// Nearest point of line `line`, or `query` itself when that line is not the nearest one.
-  Vector3 project(int line, const Vector3& query) const;
-
-  ClosestPointTree tree;          // of all segments, as triangles without area
-  std::vector<int> segment_line;  // of each triangle of `tree`
+  /// Nearest point of a line.
+  Vector3 project(int line, const Vector3& query) const { return segments[line].closest(query).point; }
 };
 
 /// scale: bends are judged over this distance, so that jags that are finer do not count as corners.

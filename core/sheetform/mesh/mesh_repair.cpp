@@ -7,6 +7,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/gluing.h"
+#include "sheetform/mesh/prepare.h"
 #include "sheetform/mesh/subdivide.h"
 #include "sheetform/mesh/weld.h"
 
@@ -309,6 +310,7 @@ void fill_audit(const TriangleSoup& soup, Work& work, RepairResult& result) {
   result.audit.components = count;
   result.audit.border_loops = count_border_loops(mesh);
   result.audit.euler = mesh.vertex_count() - mesh.edge_count() + mesh.face_count();
+  result.audit.uniform = uniform_enough(mesh);
   result.audit.findings = std::move(work.findings);
 }
 

@@ -57,6 +57,10 @@ PreparedMesh split_only(const SurfaceMesh& input, const std::vector<char>& creas
   return result;
 }
 
+bool is_stop(const Error& e) {
+  return e.code() == ErrorCode::kCancelled || e.code() == ErrorCode::kDeadlineExceeded;
+}
+
 }  // namespace
 
 bool uniform_enough(const SurfaceMesh& mesh) {
@@ -78,6 +82,21 @@ double edge_length_for(const SurfaceMesh& mesh, int faces) {
   return std::sqrt(surface_area(mesh) / (std::max(1, faces) * std::sqrt(3.0) / 4));
 }
 
+SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunContext& context) {
+  try {
+    const double length = height / 0.8;  // see Remesher::clean
+    const FeatureLines borders = feature_lines(input, {}, length);
+    Remesher remesher(input, borders, length, context);
+    remesher.clean();
+    std::vector<char> creases;
+    SurfaceMesh result = remesher.result(creases);
+    if (same_topology(input, result)) return result;
+  } catch (const Error& e) {
+    if (is_stop(e)) throw;
+  }
+  return input;
+}
+
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const RunContext& context) {
   try {
@@ -89,8 +108,7 @@ PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_e
     result.remeshed = true;
     if (same_topology(input, result.mesh)) return result;
   } catch (const Error& e) {
-    // Not built or not manifold: the fallback below. Being stopped is for the caller.
-    if (e.code() == ErrorCode::kCancelled || e.code() == ErrorCode::kDeadlineExceeded) throw;
+    if (is_stop(e)) throw;  // all else: not built or not manifold, the fallback stands in
   }
   return split_only(input, crease_edge, target_edge_length, context);
 }

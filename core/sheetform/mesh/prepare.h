@@ -19,6 +19,12 @@ bool uniform_enough(const SurfaceMesh& mesh);
 /// Edge length of equilateral triangles of which `faces` cover the mesh.
 double edge_length_for(const SurfaceMesh& mesh, int faces);
 
+/// The mesh without edges shorter than `height` and, as far as possible, without triangles lower than it;
+/// their normals say nothing about creases. Changes the surface by no more than about `height`; topology and
+/// borders' corners stay. Returns the input when that fails. For detect_creases on CAD files: 5e-4 of the
+/// diagonal.
+SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunContext& context);
+
 /// Isotropic remeshing (Botsch and Kobbelt 2004: split, collapse, flip, relax, project back) with edges of
 /// about `target_edge_length`. Creases and borders stay polylines on the input's polylines, their corners and
 /// junctions stay vertices; components, border loops and Euler characteristic stay. Vertices lie on the

@@ -11,12 +11,16 @@
 namespace sheetform {
 namespace {
 
-constexpr int kRounds = 5;
+constexpr int kRounds = 5, kMostCleanings = 20;
 constexpr double kLong = 4.0 / 3, kShort = 4.0 / 5;  // of the wanted length (Botsch and Kobbelt 2004)
 constexpr double kChord =
     0.6;  // of the wanted length: a longer edge between two lines is to have a vertex between
 constexpr double kLineSag = 0.25;  // of the wanted length: how far a removed vertex of a line may lie off it
-constexpr double kThin = 0.1;      // height / longest side; 0.87 is equilateral
+constexpr double kLoss =
+    0.3;  // of the wanted length: how far removed vertices may come to lie off the surface
+constexpr double kStepLoss =
+    0.05;  // of the wanted length: the same for one step of relaxation (tips would melt away)
+constexpr double kThin = 0.1;  // height / longest side; 0.87 is equilateral
 
 // Height over the longest side, divided by that side.
 double fatness(const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -69,6 +73,7 @@ void Remesher::load(const SurfaceMesh& input) {
 OpenMesh::VertexHandle Remesher::add_vertex(const Vector3& p, Kind kind) {
   points_.push_back(p);
   kinds_.push_back(kind);
+  losses_.push_back(0);
   return mesh_.new_vertex();
 }
 
@@ -177,28 +182,35 @@ void Remesher::collapse_short(bool first) {
   }
 }
 
-// The direction in which the edge may be collapsed, the better one of two.
+// The direction in which the edge may be collapsed; of two the one that leaves shorter edges.
 OpenMesh::HalfedgeHandle Remesher::best_collapse(Edge e, bool first) {
-  Half best;
-  double least = std::numeric_limits<double>::infinity();
+  struct Way {
+    Half h;
+    double longest = 0, limit = 0;
+  };
+  std::array<Way, 2> ways;
   for (int side = 0; side < 2; ++side) {
-    const Half h = mesh_.halfedge_handle(e, side);
-    const Vertex gone = mesh_.from_vertex_handle(h);
-    double longest = 0, old_longest = 0;
-    for (const Vertex v : mesh_.vv_range(gone)) {
-      longest = std::max(longest, (point(v) - point(mesh_.to_vertex_handle(h))).norm());
-      old_longest = std::max(old_longest, (point(v) - point(gone)).norm());
+    Way& way = ways[side];
+    way.h = mesh_.halfedge_handle(e, side);
+    const Vector3 &gone = point(mesh_.from_vertex_handle(way.h)),
+                  &stays = point(mesh_.to_vertex_handle(way.h));
+    double now = 0;
+    for (const Vertex v : mesh_.vv_range(mesh_.from_vertex_handle(way.h))) {
+      way.longest = std::max(way.longest, (point(v) - stays).norm());
+      now = std::max(now, (point(v) - gone).norm());
     }
-    const double limit = first ? std::max(kLong * length_, 1.2 * old_longest) : kLong * length_;
-    if (longest < least && may_collapse(h, limit)) least = longest, best = h;
+    way.limit = first ? std::max(kLong * length_, 1.2 * now) : kLong * length_;
   }
-  return best;
+  if (ways[1].longest < ways[0].longest) std::swap(ways[0], ways[1]);
+  for (const Way& way : ways)
+    if (way.longest <= way.limit && may_collapse(way.h)) return way.h;
+  return Half();
 }
 
-bool Remesher::may_collapse(Half h, double most_length) {
+bool Remesher::may_collapse(Half h) {
   const Vertex gone = mesh_.from_vertex_handle(h);
   if (kind(gone) == kCorner || (kind(gone) == kOnLine && line(mesh_.edge_handle(h)) < 0)) return false;
-  return keeps_lines(h) && keeps_shape(h, most_length) && mesh_.is_collapse_ok(h);
+  return keeps_lines(h) && keeps_shape(h) && mesh_.is_collapse_ok(h);
 }
 
 // No two lines may fall together, no line may cut its bends short, no long chord may arise.
@@ -223,15 +235,14 @@ bool Remesher::keeps_lines(Half h) const {
   return true;
 }
 
-// No face may turn over or become thinner than the thinnest one was; edges stay short.
-bool Remesher::keeps_shape(Half h, double most_length) const {
+// No face may turn over or become thinner than the thinnest one was, and the surface stays near.
+bool Remesher::keeps_shape(Half h) const {
   const Vertex gone = mesh_.from_vertex_handle(h), stays = mesh_.to_vertex_handle(h);
   const Vector3& p = point(stays);
   const Vector3 around = vertex_normal(gone);
   double before = 1, after = 1;
   for (const Half out : mesh_.voh_range(gone)) {
     const Vertex v = mesh_.to_vertex_handle(out);
-    if (v != stays && (point(v) - p).norm() > most_length) return false;
     if (mesh_.is_boundary(out)) continue;
     const Vertex w = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(out));
     const Vector3 old = raw_normal(mesh_.face_handle(out));
@@ -243,7 +254,21 @@ bool Remesher::keeps_shape(Half h, double most_length) const {
     if (now.dot(reference) <= 0.3 * now.norm() * reference.norm()) return false;
     after = std::min(after, fatness(p, point(v), point(w)));
   }
-  return after > kThin || after >= before;
+  return (after > kThin || after >= before) && loss(h) < kLoss * length_;
+}
+
+// Bound of the distance between what `h` and the collapses before it removed and what is left.
+double Remesher::loss(Half h) const {
+  const Vertex gone = mesh_.from_vertex_handle(h), stays = mesh_.to_vertex_handle(h);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Half out : mesh_.voh_range(gone)) {
+    const Vertex v = mesh_.to_vertex_handle(out), w = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(out));
+    if (mesh_.is_boundary(out) || v == stays || w == stays) continue;
+    nearest = std::min(nearest, distance_to_triangle(point(gone), point(stays), point(v), point(w)));
+  }
+  if (!std::isfinite(nearest)) nearest = (point(gone) - point(stays)).norm();
+  return std::max(losses_[static_cast<std::size_t>(stays.idx())],
+                  losses_[static_cast<std::size_t>(gone.idx())] + nearest);
 }
 
 void Remesher::collapse(Half h) {
@@ -257,6 +282,7 @@ void Remesher::collapse(Half h) {
     merged[count++] = {mesh_.to_vertex_handle(a),
                        std::max(line(mesh_.edge_handle(a)), line(mesh_.edge_handle(b)))};
   }
+  losses_[static_cast<std::size_t>(stays.idx())] = loss(h);
   mesh_.collapse(h);
   for (int i = 0; i < count; ++i) {
     const Half left = mesh_.find_halfedge(stays, merged[i].first);
@@ -348,17 +374,18 @@ void Remesher::move_on_line(Vertex v) {
 // Moves unless a face would turn over or become a sliver.
 bool Remesher::move(Vertex v, const Vector3& to) {
   const Vector3 from = point(v);
-  double before = 1, after = 1;
+  double before = 1, after = 1, lost = std::numeric_limits<double>::infinity();
   for (const Half h : mesh_.voh_range(v)) {
     if (mesh_.is_boundary(h)) continue;
     const Vector3& a = point(mesh_.to_vertex_handle(h));
     const Vector3& b = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(h)));
+    lost = std::min(lost, distance_to_triangle(from, to, a, b));
     const Vector3 old = (a - from).cross(b - from), now = (a - to).cross(b - to);
     before = std::min(before, fatness(from, a, b));
     after = std::min(after, fatness(to, a, b));
     if (before > 1e-3 && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
   }
-  if (after < kThin && after < before) return false;
+  if ((after < kThin && after < before) || lost > kStepLoss * length_) return false;
   points_[static_cast<std::size_t>(v.idx())] = to;
   return true;
 }
@@ -377,6 +404,42 @@ void Remesher::run() {
   }
   flip_edges();
   relax();
+}
+
+void Remesher::clean() {
+  for (int round = 0; round < kMostCleanings; ++round) {
+    collapse_short(true);
+    int flips = 0;
+    for (int i = 0; i < static_cast<int>(mesh_.n_faces()); ++i) flips += flip_cap(Face(i));
+    context_.checkpoint();
+    if (flips == 0) break;
+  }
+}
+
+// A triangle without height but without a short side either loses its longest side. Changes the surface by
+// its height.
+bool Remesher::flip_cap(Face f) {
+  if (mesh_.status(f).deleted()) return false;
+  pause();
+  Half longest;
+  double length = 0;
+  for (const Half h : mesh_.fh_range(f))
+    if (length_of(mesh_.edge_handle(h)) > length) length = length_of(mesh_.edge_handle(h)), longest = h;
+  if (!longest.is_valid() || raw_normal(f).norm() >= kShort * length_ * length) return false;
+  const Edge e = mesh_.edge_handle(longest);
+  if (line(e) >= 0 || mesh_.is_boundary(e) || !mesh_.is_flip_ok(e)) return false;
+  const Half o = mesh_.opposite_halfedge_handle(longest);
+  const Vector3 &pa = point(mesh_.from_vertex_handle(longest)), &pb = point(mesh_.to_vertex_handle(longest));
+  const Vector3& pc = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(longest)));
+  const Vector3& pd = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(o)));
+  const Vector3 n = raw_normal(f) + raw_normal(mesh_.face_handle(o)), m1 = (pd - pc).cross(pb - pc),
+                m2 = (pa - pc).cross(pd - pc);
+  if (m1.dot(n) <= 0.5 * m1.norm() * n.norm() || m2.dot(n) <= 0.5 * m2.norm() * n.norm()) return false;
+  const double before = std::min(fatness(pa, pb, pc), fatness(pa, pb, pd)),
+               after = std::min(fatness(pc, pd, pb), fatness(pc, pd, pa));
+  if (after <= 1.5 * before) return false;
+  mesh_.flip(e);
+  return true;
 }
 
 SurfaceMesh Remesher::result(std::vector<char>& crease_edge) const {

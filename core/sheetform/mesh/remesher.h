@@ -15,6 +15,9 @@ class Remesher {
  public:
   Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context);
   void run();
+  /// Instead of run(): only removes edges and heights shorter than 0.8 of the length; all else stays as it
+  /// is.
+  void clean();
   /// The mesh, and for each of its edges whether it lies on a line inside (a crease).
   SurfaceMesh result(std::vector<char>& crease_edge) const;
 
@@ -35,11 +38,13 @@ class Remesher {
   double longest_allowed(Edge e) const;
   void split(Edge e);
   Half best_collapse(Edge e, bool first);
-  bool may_collapse(Half h, double most_length);
+  bool may_collapse(Half h);
   bool keeps_lines(Half h) const;
-  bool keeps_shape(Half h, double most_length) const;
+  bool keeps_shape(Half h) const;
+  double loss(Half h) const;
   void collapse(Half h);
   bool should_flip(Edge e) const;
+  bool flip_cap(Face f);
   void move_free(Vertex v);
   void move_on_line(Vertex v);
   bool move(Vertex v, const Vector3& to);
@@ -64,6 +69,7 @@ class Remesher {
   const RunContext& context_;
   std::vector<int> edge_line_;
   std::vector<Kind> kinds_;
+  std::vector<double> losses_;  // by vertex: bound of how far the removed ones around it lie off
   int operations_ = 0;
   int most_vertices_ = 0;
 };

@@ -7,12 +7,6 @@ namespace {
 
 using Step = Walk::Step;
 
-signed char closest_direction(const CrossField& field, int v, const Vector3& w) {
-  const double along = field.dir[v].dot(w), across = field.normal[v].cross(field.dir[v]).dot(w);
-  if (std::abs(along) >= std::abs(across)) return along >= 0 ? 0 : 2;
-  return across >= 0 ? 1 : 3;
-}
-
 // Cycles of at most this many steps come from chains of neighbouring arcs that overlap; longer ones are real.
 constexpr int kShortCycle = 5;
 
@@ -113,7 +107,8 @@ void PathBuilder::append(const TracingGraph::Arc& arc, Walk& walk) const {
   const int head = TracingGraph::vertex(arc.to);
   const Vector3 way = mesh.points[head] - mesh.points[walk.steps.back().vertex];
   for (int i = arc.chain_begin; i < arc.chain_end; ++i)
-    walk.steps.push_back({graph.chain[i], closest_direction(field, graph.chain[i], way)});
+    walk.steps.push_back(
+        {graph.chain[i], static_cast<signed char>(closest_direction(field, graph.chain[i], way))});
   walk.steps.push_back({head, static_cast<signed char>(arc.to & 3)});
   const double d = arc.drift / 45.0;
   walk.length += arc.length;

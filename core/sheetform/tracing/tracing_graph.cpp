@@ -44,12 +44,6 @@ std::vector<char> ends_of(const SurfaceMesh& mesh, const std::vector<char>& edge
   return vertex;
 }
 
-int closest_direction(const CrossField& field, int v, const Vector3& w) {
-  const double along = field.dir[v].dot(w), across = field.normal[v].cross(field.dir[v]).dot(w);
-  if (std::abs(along) >= std::abs(across)) return along >= 0 ? 0 : 2;
-  return across >= 0 ? 1 : 3;
-}
-
 // Nodes that leave along a border or crease edge. A path must leave features across, never along them.
 std::vector<char> blocked_nodes(const SurfaceMesh& mesh, const CrossField& field,
                                 const std::vector<char>& feature_edge) {

@@ -6,6 +6,8 @@ import { inspect } from "../../../web/src/mesh/inspect.js";
 import { MeshError, readMesh } from "../../../web/src/mesh/read_mesh.js";
 import { SAMPLES, sampleFile } from "../../../web/src/mesh/samples.js";
 
+globalThis.File ??= (await import("node:buffer")).File;  // not yet global in node 18
+
 const CORNERS = [[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 4]];
 const FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 const bytes = (text) => new TextEncoder().encode(text).buffer;

@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ResultFiles, TooLargeIsRefusedBeforeReading) {
   try {
-    read_result(std::string(100, 'v'), "{}", ReadLimits{99});
+    read_result(std::string(100, 'v'), "{}", ResultLimits{99});
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::kLimitExceeded);

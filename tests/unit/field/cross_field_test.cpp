@@ -156,6 +156,34 @@ TEST(CrossField, DoesNotDependOnUnits) {
     EXPECT_LT(off_cross_deg(a, static_cast<int>(v), b.dir[v]), 1e-3);
 }
 
+TEST(CrossField, RefusesAGuideOfTheWrongLength) {
+  const SurfaceMesh mesh = build(shapes::plane(4));
+  const std::vector<Vector3> guide(3, Vector3::UnitX());
+  try {
+    field_of(mesh, {}, &guide);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kInvalidParameter);
+    EXPECT_EQ(e.where(), "3 directions for 25 vertices");
+  }
+}
+
+TEST(CrossField, ClosestDirection) {
+  const CrossField f = field_of(build(shapes::plane(6)));
+  for (int d = 0; d < 4; ++d) {
+    const Vector3 w = f.direction(24, d) + 0.9 * f.direction(24, d + 1) + 5 * f.normal[24];
+    EXPECT_EQ(closest_direction(f, 24, w), d);
+  }
+}
+
+TEST(CrossField, SurvivesDegenerateTriangles) {
+  // Every other column of the grid has no width.
+  const SurfaceMesh mesh = build(
+      shapes::grid({8, 8}, [](double u, double v) { return Vector3(std::floor(u * 8 / 2) * 0.25, v, 0); }));
+  const CrossField f = field_of(mesh);
+  for (const Vector3& d : f.dir) EXPECT_NEAR(d.norm(), 1, 1e-9);
+}
+
 TEST(CrossField, Cancels) {
   const SurfaceMesh mesh = build(shapes::torus(30, 15));
   std::atomic<bool> stop{true};

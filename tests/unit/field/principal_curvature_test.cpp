@@ -65,7 +65,8 @@ TEST(PrincipalCurvature, ConeGrowsTowardsItsApex) {
     const Vector3& p = mesh.points[v];
     const double expected = std::cos(shapes::kPi / 4) / p.z();
     EXPECT_NEAR(std::abs(c.k_max[v]), expected, 0.08 * expected) << v;
-    EXPECT_NEAR(c.k_min[v], 0, 0.09 * expected) << v;  // one-sided balls at the border see the third derivative
+    EXPECT_NEAR(c.k_min[v], 0, 0.09 * expected)
+        << v;  // one-sided balls at the border see the third derivative
     EXPECT_LT(unsigned_angle_deg(c.dir_min[v], p), 1.5) << v;
     // The normal of this grid points to the axis or away from it; the sign follows the normal.
     const double outward = c.normal[v].dot(Vector3(p.x(), p.y(), 0));
@@ -77,8 +78,8 @@ TEST(PrincipalCurvature, TorusMatchesClosedForm) {
   const double R = 1, r = 0.4;
   const SurfaceMesh mesh = build(shapes::torus(140, 70, R, r));
   const CurvatureField c = curvature(mesh);
-  // A circle's height is x^2/2r (1 + x^2/4r^2 + ...): a quadric over a ball of radius b overestimates 1/r by at most
-  // the factor 1 + b^2/4r^2, and b is four edges.
+  // A circle's height is x^2/2r (1 + x^2/4r^2 + ...): a quadric over a ball of radius b overestimates 1/r by
+  // at most the factor 1 + b^2/4r^2, and b is four edges.
   const double ball = 4 * mean_edge_length(mesh), bound = ball * ball / (4 * r * r) / r;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vector3& p = mesh.points[v];

@@ -155,6 +155,16 @@ TEST(TraceCandidates, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+TEST(TraceCandidates, TinyMeshesGiveNothing) {
+  TriangleSoup triangle, tetrahedron;
+  triangle.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.faces = {{0, 1, 2}};
+  tetrahedron.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_TRUE(TracedShape(triangle).candidates().empty());
+  EXPECT_TRUE(TracedShape(tetrahedron, 40).candidates().empty());  // every edge is a crease
+}
+
 TEST(TraceCandidates, GivesUpBeyondTheCost) {
   const TracedShape s(shapes::torus(40, 20));
   TraceParams params;

@@ -6,14 +6,42 @@ const NEAR = [0.93, 0.75, 0.36];
 const OVER = [0.83, 0.36, 0.3];
 
 /**
- * The local bend radius at a hinge between two triangles: their mean width across the hinge over the angle between them
- * (a polygon of such steps with the same curvature). Infinity where nothing bends.
+ * The bend radius around each hinge of a part, in mm: the turning is summed over neighbouring hinges until they span
+ * `reach` mm of sheet, because a single narrow triangle says nothing. Signed, so that zigzag of diagonals cancels.
+ * Infinity where nothing bends. A sharp fold counts as a bend of its angle over the reach.
  */
-export function hingeRadius(part, [first, second], position, flat) {
-  const angle = Math.abs(bend(position, first[0], first[1], first[2], second[2]));
-  if (angle < 1e-6) return Infinity;
-  const width = (height(first, flat) + height(second, flat)) / 2;
-  return width / 2 / Math.tan(angle / 2);
+export function bendRadii(part, position, flat, reach) {
+  const hinges = part.inner.map(([first, second]) => ({
+    angle: bend(position, first[0], first[1], first[2], second[2]),
+    sides: [{ triangle: first[3], width: height(first, flat) }, { triangle: second[3], width: height(second, flat) }],
+  }));
+  const around = new Map();
+  hinges.forEach((hinge, k) => hinge.sides.forEach(({ triangle }) => around.set(triangle, [...(around.get(triangle) ?? []), k])));
+  return hinges.map((hinge, k) => {
+    const [left, right] = hinge.sides.map((side) => walk(hinges, around, k, side, reach / 2));
+    const angle = Math.abs(hinge.angle + left.angle + right.angle);
+    return angle < 1e-6 ? Infinity : Math.max(left.width + right.width, reach) / angle;
+  });
+}
+
+/**
+ * Goes from hinge to hinge through triangles that have just one more, until `reach` mm are spanned. From a hinge to the
+ * next is half a triangle's height on average; half of that way belongs to each of the two.
+ */
+function walk(hinges, around, from, side, reach) {
+  let [angle, at, { triangle, width: across }] = [0, from, side];
+  let width = across / 4;
+  for (let steps = 0; steps < 400 && width < reach; steps++) {
+    const next = around.get(triangle).filter((k) => k !== at);
+    if (next.length !== 1) break;
+    [at] = next;
+    const hinge = hinges[at];
+    const beyond = hinge.sides[hinge.sides[0].triangle === triangle ? 1 : 0];
+    angle += hinge.angle;
+    width += (across + beyond.width) / 4;
+    ({ triangle, width: across } = beyond);
+  }
+  return { width, angle };
 }
 
 /** Width of a triangle across the hinge: the distance of its third corner, in mm. */
@@ -23,32 +51,27 @@ function height([a, b, c], flat) {
   return Math.abs(cx * ey - cy * ex) / (Math.hypot(ex, ey) || 1);
 }
 
-/** Tightest radius of each part in mm. Single sharp hinges count as bends, too. */
-export function tightestRadii(model) {
-  return model.parts.map((part) => {
-    let least = Infinity;
-    for (const edge of part.inner) least = Math.min(least, hingeRadius(part, edge, model.position, model.flat));
-    return least;
-  });
-}
-
 /** Colours per vertex (sRGB) for a material, the tightest radius, and what to make of it. */
 export function bendColors(model, material) {
   const radius = new Float64Array(model.source.length).fill(Infinity);
   let tightest = Infinity;
   for (const part of model.parts) {
-    for (const edge of part.inner) {
-      const r = hingeRadius(part, edge, model.position, model.flat);
+    const radii = bendRadii(part, model.position, model.flat, material.radius / 2);
+    radii.forEach((r, k) => {
       tightest = Math.min(tightest, r);
-      for (const v of [edge[0][0], edge[0][1]]) radius[v] = Math.min(radius[v], r);
-    }
+      for (const v of part.inner[k][0].slice(0, 2)) radius[v] = Math.min(radius[v], r);
+    });
   }
   const values = new Float32Array(3 * radius.length);
   radius.forEach((r, v) => values.set(r < material.radius ? OVER : r < 2 * material.radius ? mix(NEAR, EASY, r / material.radius - 1) : EASY, 3 * v));
-  const factor = material.radius / tightest;
-  const text = tightest >= material.radius ? `${material.title} can do that.`
-    : `${material.title} of this thickness wants ${material.radius} mm: score these lines, take thinner stock, or make it ${factor.toFixed(1)} times larger.`;
-  return { values, tightest, text };
+  return { values, tightest, text: verdict(tightest, material) };
+}
+
+function verdict(tightest, { title, radius }) {
+  if (tightest >= radius) return `${title} can do that.`;
+  const factor = radius / tightest;
+  const larger = factor < 10 ? ` or make it ${factor.toFixed(1)} times larger` : "";
+  return `${title} of this thickness wants ${radius} mm: score the red lines, take thinner stock${larger}.`;
 }
 
 const mix = (a, b, t) => a.map((value, k) => value + (b[k] - value) * Math.min(1, Math.max(0, t)));

@@ -86,27 +86,38 @@ function dot(a, b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 function unit(a) { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; }
 
 /**
- * Writes the part's positions at `fold` (1 = the shape, 0 = flat) into `out`.
+ * The steps of unfolding everything, by `fold` from 1 (the shape) to 0 (the layout): parts move apart (push), then bend
+ * flat (bend: share of the dihedral angles), then travel to their places (travel: 1 = at the shape, 0 = in the layout).
+ */
+export function foldSteps(fold) {
+  const opened = 1 - fold;
+  const ease = (t) => { const x = Math.min(1, Math.max(0, t)); return x * x * (3 - 2 * x); };
+  const travel = 1 - ease((opened - 0.45) / 0.55);
+  return { push: ease(opened / 0.35) * travel, bend: 1 - ease((opened - 0.15) / 0.5), travel };
+}
+
+/**
+ * Writes the part's positions into `out`, bent and moved as `steps` says (see foldSteps).
  * @param frame where the flat part lies: {origin, x, y} so that flat (u, v) lands at origin + (u x + v y) / scale
  */
-export function foldPart(part, prepared, position, flat, scale, fold, frame, out) {
-  if (fold >= 1) {
+export function foldPart(part, prepared, position, flat, scale, { bend: share, travel }, frame, out) {
+  if (share >= 1 && travel >= 1) {
     out.set(position.subarray(3 * part.begin, 3 * part.end), 3 * part.begin);
     return;
   }
   const normals = new Float64Array(3 * prepared.count);
-  placeRoot(part, prepared.root, position, flat, scale, fold, frame, out, normals);
-  for (const hinge of prepared.steps) placeNext(hinge, scale, fold, out, normals);
+  placeRoot(part, prepared.root, position, flat, scale, travel, frame, out, normals);
+  for (const hinge of prepared.steps) placeNext(hinge, scale, share, out, normals);
 }
 
 /** The first triangle moves rigidly from its place in the shape to its place in the flat layout. */
-function placeRoot(part, root, position, flat, scale, fold, frame, out, normals) {
+function placeRoot(part, root, position, flat, scale, travel, frame, out, normals) {
   const corners = [0, 1, 2].map((k) => part.triangles[3 * root + k]);
   const inShape = frameOf(corners.map((v) => [position[3 * v], position[3 * v + 1], position[3 * v + 2]]));
   const onSheet = frameOf(corners.map((v) => [0, 1, 2].map((axis) =>
     frame.origin[axis] + (flat[2 * v] * frame.x[axis] + flat[2 * v + 1] * frame.y[axis]) / scale)));
-  const turn = slerp(onSheet.turn, inShape.turn, fold);
-  const center = onSheet.center.map((value, axis) => value + (inShape.center[axis] - value) * fold);
+  const turn = slerp(onSheet.turn, inShape.turn, travel);
+  const center = onSheet.center.map((value, axis) => value + (inShape.center[axis] - value) * travel);
   // The corners in the triangle's own frame are the same in shape and sheet, because the part does not stretch.
   corners.forEach((v, k) => {
     const moved = rotate(turn, onSheet.local[k]);
@@ -116,11 +127,11 @@ function placeRoot(part, root, position, flat, scale, fold, frame, out, normals)
   normals.set(normal, 3 * root);
 }
 
-function placeNext({ from, to, a, b, c, along, height, angle }, scale, fold, out, normals) {
+function placeNext({ from, to, a, b, c, along, height, angle }, scale, share, out, normals) {
   const edge = unit(sub(out, b, a));
   const before = [normals[3 * from], normals[3 * from + 1], normals[3 * from + 2]];
   const away = cross(edge, before);
-  const [sine, cosine] = [Math.sin(angle * fold), Math.cos(angle * fold)];
+  const [sine, cosine] = [Math.sin(angle * share), Math.cos(angle * share)];
   const length = Math.hypot(...sub(out, b, a));
   for (let axis = 0; axis < 3; axis++) {
     const direction = cosine * away[axis] - sine * before[axis];

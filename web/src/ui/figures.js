@@ -1,6 +1,6 @@
 // The figures of a result that a maker asks for first.
 import { h } from "../dom.js";
-import { area, duration, metres, millimetres, percent } from "../format.js";
+import { area, count, duration, metres, millimetres, percent } from "../format.js";
 
 export function figures(model, job) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
@@ -19,5 +19,5 @@ export function figures(model, job) {
   return h("section", {},
     h("dl", { class: "figures" }, rows.map(([name, value, hint], k) => h("div", { class: k === 0 ? "figure big" : "figure", title: hint ?? null }, h("dt", {}, name), h("dd", {}, value)))),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
-    (report.notes ?? []).map((note) => h("p", { class: "note" }, note)));
+    (report.notes ?? []).length > 0 && h("details", { class: "notes" }, h("summary", {}, count(report.notes.length, "note")), h("ul", {}, report.notes.map((note) => h("li", { class: "hint" }, note)))));
 }

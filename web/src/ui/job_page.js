@@ -168,7 +168,7 @@ class JobPage {
 
   showResult(job) {
     this.result?.dispose();
-    this.result = new ResultView({ job, stage: this.stage, panel: this.panel, work: this.element, mesh: () => this.mesh(), up: (mesh) => this.up(mesh),
+    this.result = new ResultView({ job, stage: this.stage, process: this.process, panel: this.panel, work: this.element, mesh: () => this.mesh(), up: (mesh) => this.up(mesh),
       material: recall("jobs", {})[this.id]?.material, runAgain: (change) => this.runAgain(job, change), remove: () => jobs.dismiss(this.id).then(() => this.go("#")) });
     this.result.open();
   }

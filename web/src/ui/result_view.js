@@ -10,6 +10,8 @@ import { downloads } from "./downloads.js";
 import { figures } from "./figures.js";
 import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
+import { reproduce } from "./reproduce.js";
+import { tradeOff } from "./trade_off_chart.js";
 import { viewControls } from "./view_controls.js";
 
 const TABS = [["result", "Result"], ["parts", "Parts"], ["files", "Files"]];
@@ -44,10 +46,10 @@ export class ResultView {
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
     const panes = {
-      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model),
+      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model), tradeOff(job, model.scale, this.stops),
         h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"), h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"))),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
-      files: h("div", { class: "tab-pane" }, downloads(this.files, job)),
+      files: h("div", { class: "tab-pane" }, downloads(this.files, job), reproduce(job, this.process)),
     };
     this.showTabs(panes);
     this.listenToEscape();

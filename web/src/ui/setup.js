@@ -4,7 +4,7 @@ import { freshId, h, replace } from "../dom.js";
 import { drafts, extents } from "../drafts.js";
 import { bytes, count } from "../format.js";
 import { jobs } from "../jobs.js";
-import { MATERIALS, UNITS, materialOf, sizeWarning } from "../materials.js";
+import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
 import { keepPicture, recall, remember } from "../prefs.js";
 import { icon } from "./icons.js";
 import { problemBox } from "./problem.js";
@@ -39,7 +39,11 @@ function showPanel(page, draft) {
   if (draft.error) return replace(page.panel, fileList(), problemBox(draft.error, h("button", { type: "button", onclick: () => page.go("#") }, "Choose another file")));
   if (!draft.mesh) return replace(page.panel, fileList(), h("p", { class: "busy" }, `Reading ${draft.name} …`));
   const note = h("div", { class: "note-place" });
-  const refresh = () => replace(note, warningsOf(draft).map((text) => h("p", { class: "warning" }, icon("warn", 18), h("span", {}, text))));
+  const refresh = () => {
+    const odd = sizeWarning(longest(draft), materialOf(draft.material));
+    replace(note, odd && warning(odd, h("button", { type: "button", class: "small", onclick: () => size.setLongest(OFFERED_SIZE) }, `Make it ${OFFERED_SIZE} mm`)),
+      meshWarnings(draft.mesh).map((text) => warning(text)));
+  };
   const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft, () => {});
   const size = sizeField(draft, UNITS, () => {
     tolerance.update();
@@ -76,11 +80,12 @@ function fileFacts(draft) {
   return h("header", { class: "file-head" }, h("h2", {}, draft.name), h("p", { class: "hint" }, facts.join(" · ")));
 }
 
-function warningsOf(draft) {
-  const longest = Math.max(...extents(draft.mesh)) * draft.scale;
-  const { mesh } = draft;
+const longest = (draft) => Math.max(...extents(draft.mesh)) * draft.scale;
+
+const warning = (text, action = null) => h("div", { class: "warning" }, icon("warn", 18), h("div", {}, h("p", {}, text), action));
+
+function meshWarnings(mesh) {
   return [
-    sizeWarning(longest, materialOf(draft.material)),
     mesh.crowdedEdges > 0 && `${count(mesh.crowdedEdges, "edge")} of the mesh ${mesh.crowdedEdges === 1 ? "has" : "have"} more than two faces (red in the view). They will be cut open.`,
     mesh.pieces > 40 && `The mesh consists of ${mesh.pieces} separate pieces; each is cut on its own.`,
   ].filter(Boolean);

@@ -38,7 +38,9 @@ export function sizeField(draft, units, onChange) {
     scaleText.textContent = known ? "" : `1 unit of the file becomes ${significant(draft.scale)} mm`;
   }
   write(null);
-  return { element: h("div", { class: "size" },
+  /** Makes the longest side so many millimetres. */
+  const setLongest = (mm) => setScale(mm / Math.max(...sizes), null);
+  return { setLongest, element: h("div", { class: "size" },
     h("div", { class: "field-head" }, h("span", { id: `${name}-label` }, "The file is in")),
     h("div", { class: "segments", role: "radiogroup", "aria-labelledby": `${name}-label` }, units.map((unit, k) => h("label", {}, radios[k], h("span", {}, unit.title)))),
     h("div", { class: "sizes" }, inputs.map((input, k) => h("label", { class: `axis axis-${AXES[k]}` }, h("span", { "aria-hidden": "true" }, AXES[k]), input, h("span", { class: "unit", "aria-hidden": "true" }, "mm")))),

@@ -3,7 +3,7 @@ import { h, oncePerFrame, replace, s } from "../dom.js";
 import { millimetres } from "../format.js";
 import { labelPlace } from "../result/label_place.js";
 
-const STEPS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 
 export class FlatView {
   /** @param {{onHover, onSelect}} events each called with ({part, seam}); part is an index or null, seam an id or null */
@@ -58,14 +58,14 @@ export class FlatView {
     return [...paths].map(([seam, d]) => s("path", { class: "seam", "data-seam": seam, d }));
   }
 
-  highlight({ hovered = null, selected = null, seam = null }) {
+  highlight({ hovered = null, selected = null, seam = null, chosenSeam = null }) {
     if (!this.parts) return;
     const seamParts = seam === null ? [] : this.model.seams.find((item) => item.id === seam)?.parts ?? [];
     this.parts.forEach(({ group }, k) => {
       group.classList.toggle("lit", hovered === k || seamParts.includes(this.model.parts[k].id));
       group.classList.toggle("chosen", selected === k);
     });
-    this.content.classList.toggle("some", hovered !== null || selected !== null || seam !== null);
+    this.content.classList.toggle("some", selected !== null || chosenSeam !== null);
     for (const path of this.content.querySelectorAll(".seam.lit")) path.classList.remove("lit");
     if (seam !== null) for (const path of this.content.querySelectorAll(`[data-seam="${seam}"]`)) path.classList.add("lit");
   }
@@ -142,7 +142,7 @@ export class FlatView {
 
   zoomAt(factor, px, py) {
     const { x, y, zoom } = this.view;
-    const next = Math.min(400, Math.max(0.002, zoom * factor));
+    const next = Math.min(4000, Math.max(0.002, zoom * factor));
     const share = next / zoom;
     this.view = { zoom: next, x: px - (px - x) * share, y: py - (py - y) * share };
     this.fitted = false;

@@ -6,7 +6,7 @@ import {
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { foldPart, hinges } from "../result/fold.js";
+import { foldPart, foldSteps, hinges } from "../result/fold.js";
 import { partColor, themeColor } from "./theme.js";
 
 export class ResultObject {
@@ -58,7 +58,7 @@ export class ResultObject {
     this.seams = fatLines(2.2);
     this.chosen = fatLines(5);
     this.chosen.renderOrder = 2;
-    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.42 }));
+    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.3 }));
     this.group.add(this.seams, this.rulings, this.chosen);
   }
 
@@ -85,10 +85,11 @@ export class ResultObject {
   update() {
     const { model, work, state } = this;
     const frame = this.flatFrame();
+    const steps = foldSteps(state.fold);
     model.parts.forEach((part, k) => {
       if (state.only !== null && state.only !== k) return;
-      foldPart(part, this.hinges[k], model.position, model.flat, model.scale, state.fold, frame, work);
-      this.moveApart(part, k);
+      foldPart(part, this.hinges[k], model.position, model.flat, model.scale, steps, frame, work);
+      this.moveApart(part, k, steps);
     });
     this.position.set(work);
     this.updateIndex();
@@ -107,10 +108,9 @@ export class ResultObject {
     this.geometry.setDrawRange(only === null ? 0 : begin, count);
   }
 
-  moveApart(part, k) {
-    const { explode, fold } = this.state;
-    if (explode === 0 || fold <= 0) return;
-    const share = explode * fold * 0.9;
+  moveApart(part, k, { push, travel }) {
+    const share = Math.max(this.state.explode * travel, this.state.only === null ? push : 0) * 0.9;
+    if (share === 0) return;
     for (let v = part.begin; v < part.end; v++) {
       for (let axis = 0; axis < 3; axis++) this.work[3 * v + axis] += this.centers[k][axis] * share;
     }
@@ -140,8 +140,17 @@ export class ResultObject {
     const { explode, fold, only } = this.state;
     const box = only === null ? this.flatBox() : this.model.parts[only].box;
     const flat = Math.hypot(box[2] - box[0], box[3] - box[1]) / 2 / this.model.scale;
-    const solid = this.model.radius * (1 + 0.75 * explode);
-    return fold >= 1 ? solid : solid + (flat - solid) * (1 - fold) ** 0.8;
+    const { push, travel } = foldSteps(fold);
+    const solid = (only === null ? this.model.radius : this.partRadius(only)) * (1 + 0.75 * Math.max(explode * travel, only === null ? push : 0));
+    return solid + (flat - solid) * (1 - travel);
+  }
+
+  /** Radius around the origin that holds one part of the shape. */
+  partRadius(k) {
+    const { begin, end } = this.model.parts[k];
+    let squared = 0;
+    for (let v = begin; v < end; v++) squared = Math.max(squared, this.model.position[3 * v] ** 2 + this.model.position[3 * v + 1] ** 2 + this.model.position[3 * v + 2] ** 2);
+    return Math.sqrt(squared);
   }
 
   updateNormals() {
@@ -189,8 +198,8 @@ export class ResultObject {
   }
 
   /** Lights up parts and a seam: indices of parts, id of a seam. */
-  highlight({ hovered = null, selected = null, seam = null }) {
-    this.light = { hovered, selected, seam };
+  highlight({ hovered = null, selected = null, seam = null, chosenSeam = null }) {
+    this.light = { hovered, selected, seam, chosenSeam };
     this.recolor();
     this.updateChosen();
   }
@@ -216,18 +225,19 @@ export class ResultObject {
   }
 
   recolor() {
-    const { hovered = null, selected = null, seam = null } = this.light ?? {};
+    const { hovered = null, selected = null, chosenSeam = null } = this.light ?? {};
     const colors = this.geometry.attributes.color.array;
     const paper = new Color(themeColor("--stage"));
-    const seamParts = seam === null ? [] : this.model.seams.find((item) => item.id === seam)?.parts ?? [];
+    const white = new Color(0xffffff);
+    const seamParts = chosenSeam === null ? [] : this.model.seams.find((item) => item.id === chosenSeam)?.parts ?? [];
     const color = new Color();
     this.model.parts.forEach((part, k) => {
-      const lit = hovered === k || selected === k || seamParts.includes(part.id);
-      const dim = !lit && (hovered !== null || selected !== null || seam !== null);
+      const dim = (selected !== null || chosenSeam !== null) && selected !== k && !seamParts.includes(part.id);
       for (let v = part.begin; v < part.end; v++) {
         if (this.values) color.setRGB(this.values[3 * v], this.values[3 * v + 1], this.values[3 * v + 2], "srgb");
         else color.set(partColor(this.model.colors[k]));
         if (dim) color.lerp(paper, 0.55);
+        if (hovered === k) color.lerp(white, 0.3);
         color.toArray(colors, 3 * v);
       }
     });

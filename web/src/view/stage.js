@@ -191,7 +191,7 @@ export class Stage {
 
   setSelection(change) {
     Object.assign(this.selection, change);
-    const lit = { ...this.selection, seam: this.selection.seam ?? this.hoveredSeam ?? null };
+    const lit = { ...this.selection, seam: this.selection.seam ?? this.hoveredSeam ?? null, chosenSeam: this.selection.seam };
     this.result?.highlight(lit);
     this.flat?.highlight(lit);
     if (change.selected !== undefined && change.selected !== null) {

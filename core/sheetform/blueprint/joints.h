@@ -1,0 +1,14 @@
+// Tabs and cut notches: what joining adds to the outline of a part and takes from it.
+#pragma once
+#include "sheetform/blueprint/blueprint.h"
+
+namespace sheetform {
+
+/// Adds toothed tabs along seams and takes v notches out, as the options say: part.footprint becomes the
+/// outline with both, every tab's foot a score. A tooth never reaches into its own part, another tooth or
+/// across a narrow bay; where it would it is cut back, and left out when less than a third of it remains. The
+/// footprint of a part is one outer contour. Needs outlines, flat places and seams. A part without tabs and
+/// notches keeps its outline bit for bit.
+void add_joints(Blueprint& blueprint);
+
+}  // namespace sheetform

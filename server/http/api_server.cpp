@@ -1,0 +1,189 @@
+#include "server/http/api_server.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "server/base/identity.h"
+#include "server/base/log.h"
+#include "server/mapping/errors.h"
+
+namespace sheetform::server {
+namespace {
+
+using api::ProblemType;
+
+constexpr auto kStalledLoop = std::chrono::seconds(5);
+
+/// An id that a client gave, when it is harmless; else a new one.
+std::string request_id_of(const RequestHead& head) {
+  const std::string given = head.field("x-request-id");
+  const auto harmless = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-';
+  };
+  const bool usable =
+      !given.empty() && given.size() <= 64 && std::all_of(given.begin(), given.end(), harmless);
+  return usable ? given : to_hex(random_bytes(8));
+}
+
+bool changes_something(const std::string& method) {
+  return method != "GET" && method != "HEAD" && method != "OPTIONS";
+}
+
+/// The same problem, told where and in which request it happened.
+Answer placed(api::Problem problem, const GuardedRequest& request, const std::string& request_id) {
+  if (problem.instance.empty()) problem.instance = request.head.path;
+  problem.request_id = request_id;
+  return problem_answer(problem);
+}
+
+api::Problem make_problem(ProblemType type, std::string detail, std::string fix = {}) {
+  api::Problem p;
+  p.type = type;
+  p.detail = std::move(detail);
+  p.fix = std::move(fix);
+  return p;
+}
+
+api::Problem problem_of(const StoreError& error) {
+  if (error.kind() == StoreFailure::kFull)
+    return make_problem(ProblemType::kDiskFull, "the server's disk is full", "try again later");
+  log_error("the store failed", {{"reason", error.what()}});
+  return make_problem(error.kind() == StoreFailure::kBusy ? ProblemType::kOverloaded : ProblemType::kInternal,
+                      "the store could not answer", "try again");
+}
+
+}  // namespace
+
+ApiServer::ApiServer(JobService& service, ApiOptions options)
+    : service_(service),
+      options_(std::move(options)),
+      page_(options_.web_folder),
+      parts_{service,
+             metrics_,
+             options_.auth,
+             options_.public_url,
+             [this] {
+               return metric_line("sheetform_http_connections", "gauge", "Connections being answered",
+                                  guard_.busy()) +
+                      metric_line("sheetform_http_waiting", "gauge", "Connections without a request",
+                                  guard_.waiting()) +
+                      metric_line("sheetform_http_shed_total", "counter", "Connections turned away",
+                                  static_cast<double>(guard_.shed()));
+             },
+             [this] { return alive(); },
+             options_.sandbox},
+      rate_(service.limits().submits_per_minute),
+      guard_(
+          options_.guard, [this](GuardedRequest& r) { return dispatch(r); },
+          [this](const GuardedRequest& r, const Answer& a, const Served& s) { report(r, a, s); }) {
+  add_service_routes(router_, parts_);
+  add_process_routes(router_, parts_);
+  add_job_routes(router_, parts_);
+  add_result_routes(router_, parts_);
+  add_event_routes(router_, parts_);
+}
+
+bool ApiServer::alive() const { return SteadyClock::now() - guard_.last_turn() < kStalledLoop; }
+
+Answer ApiServer::dispatch(GuardedRequest& request) {
+  const std::string request_id = request_id_of(request.head);
+  Answer answer;
+  try {
+    answer = judge(request, request_id);
+  } catch (const Refusal& e) {
+    answer = placed(e.problem(), request, request_id);
+  } catch (const Error& e) {
+    answer = placed(to_problem(e), request, request_id);
+  } catch (const BodyError& e) {
+    answer = placed(make_problem(e.type(), e.what()), request, request_id);
+  } catch (const StoreError& e) {
+    answer = placed(problem_of(e), request, request_id);
+  } catch (const std::system_error& e) {
+    const bool full = e.code().value() == ENOSPC || e.code().value() == EDQUOT;
+    if (!full) log_error("a request failed", {{"request", request_id}, {"reason", e.what()}});
+    answer = placed(
+        make_problem(full ? ProblemType::kDiskFull : ProblemType::kInternal,
+                     full ? "the server's disk is full" : "the server had a problem", "try again later"),
+        request, request_id);
+  } catch (const std::exception& e) {
+    log_error("a request failed", {{"request", request_id}, {"reason", e.what()}});
+    answer = placed(make_problem(ProblemType::kInternal, "the server had a problem", "try again later"),
+                    request, request_id);
+  }
+  answer.with("X-Request-Id", request_id).with("X-Content-Type-Options", "nosniff");
+  if (!answer.has("Cache-Control")) answer.with("Cache-Control", "no-store");
+  return answer;
+}
+
+/// In this order, and all of it before a byte of the body is read: head, address, host, origin, token, rate.
+Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) {
+  if (request.error) throw Refusal(request.error->type, request.error->detail);
+  const RouteMatch match = router_.match(request.head.method, request.head.path);
+  if (!match.route && match.allowed.empty()) {
+    if (!changes_something(request.head.method) && host_allowed(options_.auth, request.head))
+      if (std::optional<Answer> file = page_.find(request.head)) return *file;
+    throw Refusal(ProblemType::kNotFound, "there is nothing at this address", "see /api/v1/");
+  }
+  if (!match.route)
+    return placed(make_problem(ProblemType::kMethodNotAllowed, "allowed here: " + match.allowed), request,
+                  request_id)
+        .with("Allow", match.allowed);
+  Principal principal;
+  judge_sender(*match.route, request, principal);
+  Exchange exchange{request.head, request.body, request.peer, request_id, {}, match.captures, principal};
+  if (!parse_query(request.head.query, exchange.query))
+    throw Refusal(ProblemType::kInvalidQueryParameter, "the query is malformed",
+                  "escape special characters as %XX");
+  return match.route->handler(exchange);
+}
+
+void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, Principal& principal) {
+  const RequestHead& head = request.head;
+  const bool open_to_all = route.scope.empty();
+  if (!host_allowed(options_.auth, head) && head.path != "/healthz" && head.path != "/readyz")
+    throw Refusal(ProblemType::kMisdirectedRequest,
+                  "this server does not answer for the host " + host_name(head.field("host")),
+                  "start it with --public-url for the name it is reached by");
+  if (changes_something(head.method) && !origin_allowed(options_.auth, head))
+    throw Refusal(ProblemType::kForbidden, "the request comes from a page of another site");
+  const std::string token = token_of(head);
+  const std::optional<Principal> known = token.empty() ? std::nullopt : principal_of(service_.store(), token);
+  if (known)
+    principal = *known;
+  else if (!open_to_all && (options_.auth.needed || !token.empty()))
+    throw Refusal(ProblemType::kUnauthorized,
+                  token.empty() ? "a token is needed" : "the token is not known here",
+                  "send Authorization: Bearer TOKEN");
+  else
+    principal.scopes = "read submit jobs:all";
+  if (!open_to_all && !principal.may(route.scope) && !principal.may("admin"))
+    throw Refusal(ProblemType::kForbidden, "this token may not do that", "it needs the scope " + route.scope);
+  if (route.scope == "submit" && !rate_.take(principal.id > 0 ? principal.name : request.peer))
+    throw Refusal(ProblemType::kTooManyRequests, "too many jobs in a minute", "wait a little");
+}
+
+void ApiServer::report(const GuardedRequest& request, const Answer& answer, const Served& served) {
+  const RouteMatch match = router_.match(request.head.method, request.head.path);
+  const std::string route = match.route           ? match.route->path
+                            : request.error       ? "malformed"
+                            : answer.status < 400 ? "page"
+                                                  : "other";
+  metrics_.count_request(route, request.head.method.empty() ? "-" : request.head.method, served.status,
+                         served.seconds, served.bytes_in, served.bytes_out);
+  const bool quiet = route == "/healthz" || route == "/readyz" || route == "/metrics";
+  if (!options_.log_requests || (quiet && served.status < 400)) return;
+  std::string id;
+  for (const auto& [name, value] : answer.headers)
+    if (name == "X-Request-Id") id = value;
+  log(served.status >= 500 ? LogLevel::kWarning : LogLevel::kInfo, "request",
+      {{"request", id},
+       {"method", request.head.method},
+       {"path", request.head.path},
+       {"status", served.status},
+       {"ms", static_cast<std::int64_t>(served.seconds * 1000)},
+       {"in", served.bytes_in},
+       {"out", served.bytes_out},
+       {"peer", request.peer}});
+}
+
+}  // namespace sheetform::server

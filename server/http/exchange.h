@@ -1,0 +1,31 @@
+// One request as the handlers see it.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/http/answer.h"
+#include "server/http/body_reader.h"
+#include "server/http/request_head.h"
+#include "server/store/job_record.h"
+
+namespace sheetform::server {
+
+struct Exchange {
+  const RequestHead& head;
+  BodyReader& body;
+  std::string peer;  ///< address of the other side
+  std::string request_id;
+  Query query;
+  std::vector<std::string> captures;  ///< what stood for {...} in the route
+  Principal principal;                ///< who asks; id 0 is anonymous
+
+  /// Value of a query parameter, none when it is absent. Given twice: Refusal kInvalidQueryParameter.
+  std::optional<std::string> parameter(const std::string& name) const;
+  /// Refuses query parameters that are not in the list.
+  void allow_parameters(const std::vector<std::string>& names) const;
+  /// The jobs that this principal may see: none = all, else those of this id.
+  std::optional<std::int64_t> visible() const;
+};
+
+}  // namespace sheetform::server

@@ -1,0 +1,120 @@
+#include "server/http/job_query.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "server/base/digest.h"
+#include "server/base/identity.h"
+#include "server/jobs/job_service.h"
+
+namespace sheetform::server {
+namespace {
+
+constexpr int kDefaultLimit = 10, kLargestLimit = 10'000;
+
+[[noreturn]] void refuse(const char* name, const std::string& fix) {
+  throw Refusal(api::ProblemType::kInvalidQueryParameter, std::string(name) + " is malformed", fix, name);
+}
+
+template <class Number>
+Number number_of(const char* name, const std::string& text, Number low, Number high) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
+    refuse(name, "give a number from " + std::to_string(low) + " to " + std::to_string(high));
+  return value;
+}
+
+std::vector<JobState> states_of(const std::string& text) {
+  std::vector<JobState> states;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::optional<JobState> state = api::job_state_from(text.substr(at, end - at));
+    if (!state)
+      refuse("status", "give some of accepted, running, successful, failed, dismissed, separated by commas");
+    states.push_back(*state);
+    at = end + 1;
+  }
+  return states;
+}
+
+std::optional<Microseconds> moment_of(const std::string& text) {
+  if (text.empty() || text == "..") return std::nullopt;
+  std::int64_t at = 0;
+  if (!api::parse_rfc3339(text, at))
+    refuse("datetime", "give 2026-11-01T00:00:00Z, or two such times with / between");
+  return at;
+}
+
+void read_interval(const std::string& text, JobFilter& filter) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) {
+    filter.created_from = filter.created_to = moment_of(text);
+    return;
+  }
+  filter.created_from = moment_of(text.substr(0, slash));
+  filter.created_to = moment_of(text.substr(slash + 1));
+}
+
+/// The filters that a cursor belongs to: those of another list are refused.
+std::string filter_mark(const Exchange& x) {
+  std::string all;
+  for (const char* name : {"status", "processID", "type", "datetime", "minDuration", "maxDuration", "tag"})
+    all += x.parameter(name).value_or("\x01") + "\n";
+  return to_hex(sha256(all)).substr(0, 8);
+}
+
+void read_cursor(const Exchange& x, const std::string& text, JobFilter& filter) {
+  const std::size_t first = text.find('_'), second = text.find('_', first + 1);
+  std::int64_t created = 0;
+  if (first == std::string::npos || second == std::string::npos || text.substr(0, first) != filter_mark(x) ||
+      !is_uuid(text.substr(second + 1)) ||
+      std::from_chars(text.data() + first + 1, text.data() + second, created).ptr != text.data() + second)
+    refuse("cursor", "follow the next link of the page before; do not change its filters");
+  filter.after = {created, text.substr(second + 1)};
+}
+
+std::string percent_encoded(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+        std::string_view("-._~,:").find(c) != std::string_view::npos)
+      out += c;
+    else
+      out += "%" + to_hex(std::string_view(&c, 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+JobFilter job_filter(const Exchange& x) {
+  x.allow_parameters({"limit", "cursor", "status", "processID", "type", "datetime", "minDuration",
+                      "maxDuration", "tag", "f"});
+  JobFilter filter;
+  constexpr double kLongest = 1e9;
+  filter.principal = x.visible();
+  filter.limit =
+      number_of("limit", x.parameter("limit").value_or(std::to_string(kDefaultLimit)), 1, kLargestLimit);
+  if (const auto v = x.parameter("status")) filter.states = states_of(*v);
+  if (const auto v = x.parameter("processID")) filter.process = *v;
+  if (const auto v = x.parameter("type"); v && *v != "process")
+    refuse("type", "the only type of job is process");
+  if (const auto v = x.parameter("datetime")) read_interval(*v, filter);
+  if (const auto v = x.parameter("minDuration"))
+    filter.min_seconds = number_of("minDuration", *v, 0.0, kLongest);
+  if (const auto v = x.parameter("maxDuration"))
+    filter.max_seconds = number_of("maxDuration", *v, 0.0, kLongest);
+  if (const auto v = x.parameter("tag")) filter.tag = *v;
+  if (const auto v = x.parameter("cursor")) read_cursor(x, *v, filter);
+  return filter;
+}
+
+std::string next_page_query(const Exchange& x, const JobRecord& last) {
+  std::string query;
+  for (const auto& [name, value] : x.query)
+    if (name != "cursor") query += percent_encoded(name) + "=" + percent_encoded(value) + "&";
+  return query + "cursor=" + filter_mark(x) + "_" + std::to_string(last.created) + "_" + last.id;
+}
+
+}  // namespace sheetform::server

@@ -1,0 +1,94 @@
+// Jobs: list, state, dismissal, retry, log.
+#include "server/http/api_parts.h"
+#include "server/http/conditional.h"
+#include "server/http/job_query.h"
+
+namespace sheetform::server {
+namespace {
+
+JobRecord job_of(const Exchange& x, const ApiParts& parts) {
+  return parts.service.job(x.captures.at(0), x.visible());
+}
+
+Answer list_jobs(Exchange& x, const ApiParts& parts) {
+  JobFilter filter = job_filter(x);
+  const auto limit = static_cast<std::size_t>(filter.limit++);  // one more tells whether there is a next page
+  std::vector<JobRecord> jobs = parts.service.store().list(filter);
+  const std::string self = std::string(kApiRoot) + "/jobs";
+  std::vector<api::Link> links{{self + (x.head.query.empty() ? "" : "?" + x.head.query), "self",
+                                "application/json", "This page of jobs"}};
+  if (jobs.size() > limit) {
+    jobs.resize(limit);
+    links.push_back({self + "?" + next_page_query(x, jobs.back()), "next", "application/json", "Older jobs"});
+  }
+  api::Json list = api::Json::array();
+  for (const JobRecord& job : jobs) list.push_back(api::to_json(parts.service.status(job), kApiRoot));
+  return json_answer(200, api::Json{{"jobs", list}, {"links", api::to_json(links)}});
+}
+
+std::string revision_tag(const JobRecord& job) { return "W/\"" + std::to_string(job.revision) + "\""; }
+
+Answer get_job(Exchange& x, ApiParts& parts) {
+  x.allow_parameters({"f"});
+  JobRecord job = job_of(x, parts);
+  const std::optional<int> wish = preferred_wait(x.head.field("prefer"));
+  std::string applied;
+  if (wish && *wish > 0 && !api::is_terminal(job.state)) {
+    const int seconds = std::min(*wish, parts.service.limits().wait_seconds);
+    const CountedPlace place(parts.waiters, parts.service.limits().waiters, "requests that wait");
+    job = parts.service.wait_for_change(job, false, std::chrono::seconds(seconds));
+    applied = "wait=" + std::to_string(seconds);
+  }
+  // Live progress is not in the revision: only what has ended can be "not modified".
+  const bool same = x.head.has("if-none-match") && api::is_terminal(job.state) &&
+                    names_tag(x.head.field("if-none-match"), revision_tag(job).substr(2), true);
+  Answer answer = same ? Answer{} : status_answer(parts, 200, job);
+  if (same) {
+    answer.status = 304;
+    answer.with("ETag", revision_tag(job));
+  }
+  if (!applied.empty()) answer.with("Preference-Applied", applied);
+  return answer;
+}
+
+Answer get_log(Exchange& x, const ApiParts& parts) {
+  const JobRecord job = job_of(x, parts);
+  return text_answer(200, "text/plain; charset=utf-8", parts.service.store().attempt_log(job.seq));
+}
+
+}  // namespace
+
+Answer status_answer(const ApiParts& parts, int status, const JobRecord& job) {
+  Answer answer = json_answer(status, api::to_json(parts.service.status(job), kApiRoot));
+  return answer.with("ETag", revision_tag(job));
+}
+
+std::string absolute(const ApiParts& parts, const RequestHead& head, const std::string& path) {
+  return (parts.public_url.empty() ? "http://" + head.field("host") : parts.public_url) + path;
+}
+
+CountedPlace::CountedPlace(std::atomic<int>& count, int most, const std::string& what) : count_(count) {
+  if (++count_ <= most) return;
+  --count_;
+  api::Problem p;
+  p.type = api::ProblemType::kTooManyRequests;
+  p.detail = "there are too many " + what;
+  p.fix = "close some, or ask again later";
+  p.limit = most;
+  throw Refusal(p);
+}
+
+void add_job_routes(Router& router, ApiParts& parts) {
+  const std::string jobs = std::string(kApiRoot) + "/jobs", job = jobs + "/{jobID}";
+  router.add({"GET", jobs, "read", [&parts](Exchange& x) { return list_jobs(x, parts); }});
+  router.add({"GET", job, "read", [&parts](Exchange& x) { return get_job(x, parts); }});
+  router.add({"DELETE", job, "submit", [&parts](Exchange& x) {
+                return status_answer(parts, 200, parts.service.dismiss(job_of(x, parts)));
+              }});
+  router.add({"POST", job + "/retry", "submit", [&parts](Exchange& x) {
+                return status_answer(parts, 200, parts.service.retry(job_of(x, parts)));
+              }});
+  router.add({"GET", job + "/log", "read", [&parts](Exchange& x) { return get_log(x, parts); }});
+}
+
+}  // namespace sheetform::server

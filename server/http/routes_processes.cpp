@@ -1,0 +1,66 @@
+// Processes and execution.
+#include "server/base/version.h"
+#include "server/http/api_parts.h"
+#include "server/http/conditional.h"
+#include "server/http/upload_request.h"
+#include "sheetform_api/process.h"
+
+namespace sheetform::server {
+namespace {
+
+void require_process(const Exchange& x) {
+  if (x.captures.at(0) != api::kDecompose)
+    throw Refusal(api::ProblemType::kNoSuchProcess, "there is no process " + x.captures[0].substr(0, 60),
+                  "see /api/v1/processes");
+}
+
+Answer list_processes(Exchange& x) {
+  x.allow_parameters({"limit", "f"});
+  const std::string root = kApiRoot;
+  return json_answer(
+      200, api::Json{{"processes", {api::process_summary(root, kVersion)}},
+                     {"links", api::to_json(std::vector<api::Link>{
+                                   {root + "/processes", "self", "application/json", "The processes"}})}});
+}
+
+Answer describe_process(Exchange& x) {
+  require_process(x);
+  x.allow_parameters({"f"});
+  return json_answer(200, api::process_description(kApiRoot, kVersion));
+}
+
+/// Prefer: wait=N holds the answer back until the job has ended.
+std::string wait_as_preferred(const Exchange& x, ApiParts& parts, JobRecord& job) {
+  const std::optional<int> wish = preferred_wait(x.head.field("prefer"));
+  if (!wish || *wish == 0) return {};
+  const int seconds = std::min(*wish, parts.service.limits().wait_seconds);
+  const CountedPlace place(parts.waiters, parts.service.limits().waiters, "requests that wait");
+  job = parts.service.wait_for_change(job, true, std::chrono::seconds(seconds));
+  return "wait=" + std::to_string(seconds);
+}
+
+Answer execute(Exchange& x, ApiParts& parts) {
+  require_process(x);
+  parts.service.check_admission(x.principal.id);
+  UploadRequest request = read_upload_request(x, parts.service);
+  Submitted submitted = parts.service.submit(*request.upload, request.submission);
+  request.upload.reset();
+  const std::string applied = wait_as_preferred(x, parts, submitted.job);
+  Answer answer = status_answer(parts, 201, submitted.job);
+  answer.with("Location", absolute(parts, x.head, std::string(kApiRoot) + "/jobs/" + submitted.job.id));
+  if (!applied.empty()) answer.with("Preference-Applied", applied);
+  if (submitted.replayed) answer.with("Idempotency-Replayed", "true");
+  return answer;
+}
+
+}  // namespace
+
+void add_process_routes(Router& router, ApiParts& parts) {
+  const std::string root = kApiRoot;
+  router.add({"GET", root + "/processes", "read", list_processes});
+  router.add({"GET", root + "/processes/{processID}", "read", describe_process});
+  router.add({"POST", root + "/processes/{processID}/execution", "submit",
+              [&parts](Exchange& x) { return execute(x, parts); }});
+}
+
+}  // namespace sheetform::server

@@ -1,0 +1,239 @@
+// Results: the list of files, single files with ranges, all of them as a zip; the uploaded mesh.
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "server/base/digest.h"
+#include "server/base/identity.h"
+#include "server/http/api_parts.h"
+#include "server/http/conditional.h"
+#include "server/http/zip_writer.h"
+#include "sheetform_api/process.h"
+
+namespace sheetform::server {
+namespace {
+
+using api::ProblemType;
+
+/// A file to be sent: its content by place, and what is known about it.
+struct Download {
+  std::string filename, media_type, digest;
+  std::uint64_t bytes = 0;
+  std::int64_t modified = 0;  ///< seconds since 1970
+  std::function<std::string(std::uint64_t, std::uint64_t)> read;
+  bool inline_wanted = false;
+};
+
+/// RFC 6266: a plain name for all, and the whole name in UTF-8.
+std::string disposition(const Download& d) {
+  std::string plain, encoded;
+  for (const char c : d.filename) {
+    const bool safe = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                      std::string_view("-_.").find(c) != std::string_view::npos;
+    plain += safe || c == ' ' ? c : '_';
+    if (safe)
+      encoded += c;
+    else
+      encoded += "%" + to_hex(std::string_view(&c, 1));
+  }
+  const std::string kind = d.inline_wanted ? "inline" : "attachment";
+  return kind + "; filename=\"" + plain + "\"; filename*=UTF-8''" + encoded;
+}
+
+bool may_be_shown(const std::string& type) {
+  return type == "image/svg+xml" || type == "application/pdf" || type == "application/json";
+}
+
+void describe(Answer& answer, const Download& d, const std::string& tag) {
+  answer.with("ETag", tag)
+      .with("Last-Modified", http_date(d.modified))
+      .with("Accept-Ranges", "bytes")
+      .with("Cache-Control", "private, max-age=31536000, immutable")
+      .with("Repr-Digest", "sha-256=:" + to_base64(d.digest) + ":");
+}
+
+void add_content(Answer& answer, const Download& d, const ByteRange& range) {
+  answer.media_type = d.media_type;
+  answer.pieces = std::make_shared<PiecewiseContent>();
+  answer.pieces->length = d.bytes == 0 ? 0 : range.length();
+  answer.pieces->read = [read = d.read, first = range.first](std::uint64_t offset, std::uint64_t most) {
+    return read(first + offset, most);
+  };
+  answer.with("Content-Disposition", disposition(d));
+  // A drawing that is shown must not run anything, whatever it holds.
+  answer.with("Content-Security-Policy", "sandbox; default-src 'none'; style-src 'unsafe-inline'");
+}
+
+Answer send(const Exchange& x, const Download& d) {
+  const std::string tag = "\"sha256-" + to_hex(d.digest) + "\"";
+  Answer answer;
+  switch (check_preconditions(x.head, tag, d.modified)) {
+    case Precondition::kFailed:
+      return problem_answer(ProblemType::kPreconditionFailed, "the file is not the one named in If-Match");
+    case Precondition::kNotModified:
+      answer.status = 304;
+      describe(answer, d, tag);
+      return answer;
+    case Precondition::kGo:
+      break;
+  }
+  const RangeChoice choice = choose_range(effective_range(x.head, tag), d.bytes);
+  if (choice.kind == RangeChoice::Kind::kUnsatisfiable)
+    return problem_answer(ProblemType::kRangeNotSatisfiable,
+                          "the file has " + std::to_string(d.bytes) + " bytes")
+        .with("Content-Range", "bytes */" + std::to_string(d.bytes));
+  describe(answer, d, tag);
+  const bool part = choice.kind == RangeChoice::Kind::kPart;
+  const ByteRange range = part ? choice.range : ByteRange{0, d.bytes == 0 ? 0 : d.bytes - 1};
+  answer.status = part ? 206 : 200;
+  if (part)
+    answer.with("Content-Range", "bytes " + std::to_string(range.first) + "-" + std::to_string(range.last) +
+                                     "/" + std::to_string(d.bytes));
+  add_content(answer, d, range);
+  return answer;
+}
+
+/// The job if its result can be had; a failed job answers with its own problem.
+JobRecord successful_job(const Exchange& x, const ApiParts& parts) {
+  JobRecord job = parts.service.job(x.captures.at(0), x.visible());
+  if (job.state == JobState::kSuccessful) return job;
+  if (job.state == JobState::kFailed && !job.problem.empty()) {
+    api::Problem problem = api::problem_from_json(api::Json::parse(job.problem));
+    problem.instance = std::string(kApiRoot) + "/jobs/" + job.id;
+    throw Refusal(problem);
+  }
+  throw Refusal(
+      ProblemType::kResultNotReady, std::string("the job is ") + api::to_string(job.state),
+      api::is_terminal(job.state) ? "run it again: POST .../retry" : "wait until its status is successful");
+}
+
+/// The outputs that `outputs=a,b` names, all without it.
+std::vector<StoredOutput> wanted_outputs(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
+  std::vector<StoredOutput> all = parts.service.store().outputs(job.seq);
+  const std::optional<std::string> names = x.parameter("outputs");
+  if (!names) return all;
+  std::vector<StoredOutput> some;
+  for (std::size_t at = 0; at <= names->size();) {
+    const std::size_t end = std::min(names->find(',', at), names->size());
+    const std::string name = names->substr(at, end - at);
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const StoredOutput& o) { return o.name == name; });
+    if (found == all.end())
+      throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + name.substr(0, 60),
+                    "leave outputs out");
+    some.push_back(*found);
+    at = end + 1;
+  }
+  return some;
+}
+
+std::function<std::string(std::uint64_t, std::uint64_t)> blob_reader(const ApiParts& parts,
+                                                                     const StoredOutput& o) {
+  return [&blobs = parts.service.blobs(), digest = o.digest](std::uint64_t offset, std::uint64_t most) {
+    return blobs.read(digest, offset, most);
+  };
+}
+
+std::uint32_t crc_of(const StoredOutput& o,
+                     const std::function<std::string(std::uint64_t, std::uint64_t)>& read) {
+  constexpr std::uint64_t kPiece = 1 << 20;
+  std::uint32_t crc = 0;
+  const auto bytes = static_cast<std::uint64_t>(o.bytes);
+  for (std::uint64_t at = 0; at < bytes;) {
+    const std::string piece = read(at, std::min(kPiece, bytes - at));
+    if (piece.empty()) throw std::runtime_error("a file of the result is incomplete");
+    crc = crc32_of(piece, crc);
+    at += piece.size();
+  }
+  return crc;
+}
+
+std::string base_name(const JobRecord& job) {
+  const std::string name = job.input_name.substr(0, job.input_name.rfind('.'));
+  return name.empty() ? "sheetform" : name;
+}
+
+Answer send_zip(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
+  std::vector<ZipMember> members;
+  Sha256 digest;
+  for (const StoredOutput& o : wanted_outputs(x, parts, job)) {
+    const auto read = blob_reader(parts, o);
+    members.push_back({o.name, static_cast<std::uint64_t>(o.bytes), crc_of(o, read), read});
+    digest.add(o.name + "\n" + o.digest);
+  }
+  const std::int64_t modified = job.finished.value_or(0) / kSecond;
+  const auto archive = std::make_shared<ZipArchive>(std::move(members), modified);
+  Download d{base_name(job) + "-sheets.zip",
+             "application/zip",
+             digest.finish(),
+             archive->length(),
+             modified,
+             [archive](std::uint64_t offset, std::uint64_t most) { return archive->read(offset, most); },
+             false};
+  Answer answer = send(x, d);
+  // The digest names the content, it is not that of the archive's bytes.
+  std::erase_if(answer.headers, [](const auto& h) { return h.first == "Repr-Digest"; });
+  return answer;
+}
+
+bool wants_zip(const Exchange& x) {
+  const std::optional<std::string> f = x.parameter("f");
+  if (f && *f != "zip" && *f != "json")
+    throw Refusal(ProblemType::kInvalidQueryParameter, "f is neither json nor zip", "give one of them", "f");
+  return f ? *f == "zip" : x.head.field("accept").find("application/zip") != std::string::npos;
+}
+
+Answer list_results(Exchange& x, const ApiParts& parts) {
+  x.allow_parameters({"f", "outputs"});
+  const JobRecord job = successful_job(x, parts);
+  if (wants_zip(x)) return send_zip(x, parts, job);
+  std::vector<api::ResultFile> files;
+  for (const StoredOutput& o : wanted_outputs(x, parts, job))
+    files.push_back({o.name, o.media_type, api::output_title(o.name), o.bytes, to_hex(o.digest)});
+  return json_answer(200, api::results_document(files, std::string(kApiRoot) + "/jobs/" + job.id));
+}
+
+Answer get_result(Exchange& x, const ApiParts& parts) {
+  x.allow_parameters({"inline"});
+  const JobRecord job = successful_job(x, parts);
+  for (const StoredOutput& o : parts.service.store().outputs(job.seq)) {
+    if (o.name != x.captures.at(1)) continue;
+    const bool shown = x.parameter("inline").value_or("0") == "1" && may_be_shown(o.media_type);
+    return send(x, {o.name, o.media_type, o.digest, static_cast<std::uint64_t>(o.bytes),
+                    job.finished.value_or(0) / kSecond, blob_reader(parts, o), shown});
+  }
+  throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + x.captures[1].substr(0, 60),
+                "see .../results for the names");
+}
+
+std::string read_at(int fd, std::uint64_t offset, std::uint64_t most) {
+  std::string bytes(std::min<std::uint64_t>(most, 1 << 18), '\0');
+  const ssize_t got = ::pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+  bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return bytes;
+}
+
+Answer get_input(Exchange& x, const ApiParts& parts) {
+  const JobRecord job = parts.service.job(x.captures.at(0), x.visible());
+  const auto file = std::make_shared<Descriptor>(parts.service.open_input(job.input));
+  const std::int64_t bytes = parts.service.store().input_bytes(job.input);
+  if (!file->valid() || bytes < 0)
+    throw Refusal(ProblemType::kNoSuchOutput, "the uploaded mesh is not kept any more");
+  return send(
+      x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream", job.input,
+          static_cast<std::uint64_t>(bytes), job.created / kSecond,
+          [file](std::uint64_t offset, std::uint64_t most) { return read_at(file->get(), offset, most); },
+          false});
+}
+
+}  // namespace
+
+void add_result_routes(Router& router, ApiParts& parts) {
+  const std::string job = std::string(kApiRoot) + "/jobs/{jobID}";
+  router.add({"GET", job + "/results", "read", [&parts](Exchange& x) { return list_results(x, parts); }});
+  router.add(
+      {"GET", job + "/results/{output}", "read", [&parts](Exchange& x) { return get_result(x, parts); }});
+  router.add({"GET", job + "/input", "read", [&parts](Exchange& x) { return get_input(x, parts); }});
+}
+
+}  // namespace sheetform::server

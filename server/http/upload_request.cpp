@@ -1,0 +1,245 @@
+#include "server/http/upload_request.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "server/http/multipart.h"
+#include "server/mapping/errors.h"
+#include "server/mapping/wire_parameters.h"
+#include "sheetform_api/parameter_schema.h"
+#include "sheetform_api/process.h"
+
+namespace sheetform::server {
+namespace {
+
+using api::ProblemType;
+
+constexpr std::size_t kTagBytes = 100, kFieldBytes = 64 * 1024, kKeyBytes = 255;
+/// What curl and others call a raw file when they are told nothing better.
+constexpr std::array<std::string_view, 4> kRawTypes{"", "application/octet-stream",
+                                                    "application/x-www-form-urlencoded", "text/plain"};
+constexpr std::array<std::string_view, 9> kMeshTypes{
+    "application/x-ply",          "application/ply",    "application/sla",
+    "application/vnd.ms-pki.stl", "application/x-stl",  "application/object",
+    "application/wavefront-obj",  "application/x-tgif", "application/prs.wavefront-obj"};
+
+std::string media_type_of(const RequestHead& head) {
+  std::string type = head.field("content-type");
+  type.resize(std::min(type.find(';'), type.size()));
+  while (!type.empty() && type.back() == ' ') type.pop_back();
+  for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return type;
+}
+
+bool is_raw_mesh(const std::string& type) {
+  return type.rfind("model/", 0) == 0 ||
+         std::find(kRawTypes.begin(), kRawTypes.end(), type) != kRawTypes.end() ||
+         std::find(kMeshTypes.begin(), kMeshTypes.end(), type) != kMeshTypes.end();
+}
+
+/// What a request says besides the mesh, however it says it. Each thing may be said once.
+class Details {
+ public:
+  void take_text(const std::string& name, const std::string& value) {
+    if (name == "tag") return take_tag(value);
+    if (name == "filename") return void(name_ = display_name(value));
+    if (name == "cache") return take_cache(value);
+    const api::ParameterDefinition* d = api::find_parameter(name);
+    if (d == nullptr)
+      throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
+                    "see /api/v1/processes/decompose", name.substr(0, 60));
+    take_value(name, parameter_value(*d, value));
+  }
+  void take_json(const api::Json& parameters) {
+    for (const auto& [name, value] : parameters.items()) take_value(name, value);
+  }
+  void take_tag(const std::string& tag) {
+    if (tag.size() > kTagBytes)
+      throw Refusal(ProblemType::kInvalidParameter, "the tag is longer than 100 bytes", "shorten it", "tag");
+    tag_ = tag;
+  }
+  void take_name(const std::string& name) {
+    if (name_.empty()) name_ = display_name(name);
+  }
+
+  Submission submission() const {
+    Submission s;
+    s.name = name_;
+    s.tag = tag_;
+    s.refresh = refresh_;
+    s.parameters = understood_parameters(values_);
+    return s;
+  }
+
+ private:
+  static api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) {
+    try {
+      return api::parameter_from_text(d, text);
+    } catch (const api::InvalidParameter& e) {
+      throw to_core_error(e);
+    }
+  }
+  void take_value(const std::string& name, const api::Json& value) {
+    if (values_.contains(name))
+      throw Refusal(ProblemType::kInvalidParameter, "the parameter is given twice", "give it once",
+                    name.substr(0, 60));
+    values_[name] = value;
+  }
+  void take_cache(const std::string& value) {
+    if (value != "prefer" && value != "refresh")
+      throw Refusal(ProblemType::kInvalidParameter, "cache is neither prefer nor refresh", "give one of them",
+                    "cache");
+    refresh_ = value == "refresh";
+  }
+
+  api::Json values_ = api::Json::object();
+  std::string name_, tag_;
+  bool refresh_ = false;
+};
+
+[[noreturn]] void refuse_body(const std::string& detail, const std::string& where = {}) {
+  throw Refusal(ProblemType::kMalformedRequest, detail, "see /api/v1/api", where);
+}
+
+std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
+  exchange.body.set_limit(service.limits().upload_bytes);
+  std::unique_ptr<Upload> upload = service.begin_upload();
+  for (std::string piece; !(piece = exchange.body.read()).empty();) upload->add(piece);
+  return upload;
+}
+
+/// The parts of a form, each where it belongs.
+class Form {
+ public:
+  Form(JobService& service, Details& details) : service_(service), details_(details) {}
+
+  void begin(const PartHead& part) {
+    part_ = part;
+    field_.clear();
+    if (part.name != "mesh") return;
+    if (upload_) refuse_body("there is more than one part mesh", "mesh");
+    upload_ = service_.begin_upload();
+    details_.take_name(part.filename);
+  }
+  void data(std::string_view bytes) {
+    if (part_.name == "mesh") return upload_->add(bytes);
+    field_.append(bytes);
+    if (field_.size() > kFieldBytes)
+      refuse_body("a field of the form is too large", part_.name.substr(0, 60));
+  }
+  void end() {
+    if (part_.name == "mesh") return;
+    if (part_.name == "request") return take_request();
+    if (field_.empty()) return;  // an empty field of a form is a field left alone
+    details_.take_text(part_.name, field_);
+  }
+  std::unique_ptr<Upload> take() {
+    if (!upload_) refuse_body("the form has no part mesh", "mesh");
+    return std::move(upload_);
+  }
+
+ private:
+  void take_request() {
+    api::Json value;
+    std::string why;
+    if (!api::parse_json(field_, value, why) || !value.is_object())
+      refuse_body("the part request " + why, "request");
+    // Either the parameters themselves or an OGC request without the mesh.
+    if (value.contains("tag") && value["tag"].is_string()) details_.take_tag(value["tag"]);
+    const api::Json parameters = value.contains("inputs") ? value["inputs"] : value;
+    if (!parameters.is_object()) refuse_body("inputs is not an object", "request");
+    for (const auto& [name, member] : parameters.items())
+      if (name != "tag" && name != "mesh") details_.take_json({{name, member}});
+  }
+
+  JobService& service_;
+  Details& details_;
+  PartHead part_;
+  std::string field_;
+  std::unique_ptr<Upload> upload_;
+};
+
+std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Details& details) {
+  const std::string boundary = multipart_boundary(exchange.head.field("content-type"));
+  if (boundary.empty()) refuse_body("the boundary of the form is missing or wrong", "Content-Type");
+  Form form(service, details);
+  MultipartReader reader(boundary, {[&](const PartHead& part) { form.begin(part); },
+                                    [&](std::string_view bytes) { form.data(bytes); }, [&] { form.end(); }});
+  exchange.body.set_limit(service.limits().upload_bytes + kFieldBytes);
+  for (std::string piece; !(piece = exchange.body.read()).empty();)
+    if (!reader.add(piece)) refuse_body(reader.error());
+  if (!reader.complete()) refuse_body(reader.error());
+  return form.take();
+}
+
+std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Details& details) {
+  exchange.body.set_limit(service.limits().json_bytes);
+  api::Json value;
+  std::string why;
+  if (!api::parse_json(exchange.body.read_all(), value, why)) refuse_body("the body " + why);
+  api::ExecuteRequest request;
+  api::Problem problem;
+  if (!api::read_execute_request(value, request, problem)) throw Refusal(problem);
+  if (!request.tag.empty()) details.take_tag(request.tag);
+  details.take_name(request.mesh_name);
+  details.take_json(request.parameters);
+  std::string bytes;
+  if (!from_base64(request.mesh_base64, bytes)) refuse_body("the mesh is not base64", "inputs.mesh");
+  std::unique_ptr<Upload> upload = service.begin_upload();
+  upload->add(bytes);
+  return upload;
+}
+
+void check_digest(const RequestHead& head, const std::string& digest) {
+  const std::string field = head.field("content-digest");
+  const std::size_t at = field.find("sha-256=:");
+  if (at == std::string::npos) return;
+  const std::size_t begin = at + 9, end = field.find(':', begin);
+  std::string wanted;
+  if (end == std::string::npos || !from_base64(field.substr(begin, end - begin), wanted))
+    refuse_body("Content-Digest is malformed", "Content-Digest");
+  if (wanted != digest)
+    throw Refusal(ProblemType::kDigestMismatch, "the body that arrived is not the one that was sent",
+                  "send it again", "Content-Digest");
+}
+
+std::string idempotency_key(const RequestHead& head) {
+  if (!head.has("idempotency-key")) return {};
+  const std::string key = head.field("idempotency-key");
+  const bool good = !key.empty() && key.size() <= kKeyBytes &&
+                    std::all_of(key.begin(), key.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+  if (!good) refuse_body("Idempotency-Key must be 1 to 255 printable characters", "Idempotency-Key");
+  return key;
+}
+
+}  // namespace
+
+UploadRequest read_upload_request(Exchange& exchange, JobService& service) {
+  const std::string type = media_type_of(exchange.head);
+  const bool json = type == "application/json", form = type == "multipart/form-data";
+  if (!json && !form && !is_raw_mesh(type))
+    throw Refusal(
+        ProblemType::kUnsupportedMediaType, "a body of type " + type.substr(0, 60) + " is not understood",
+        "send the mesh as application/octet-stream, multipart/form-data or application/json", "Content-Type");
+  if (exchange.head.has("content-encoding"))
+    throw Refusal(ProblemType::kUnsupportedMediaType, "coded bodies are not understood",
+                  "send it without Content-Encoding", "Content-Encoding");
+  Details details;
+  for (const auto& [name, value] : exchange.query) details.take_text(name, value);
+  (void)details.submission();  // wrong parameters are refused before the upload
+  const std::string key = idempotency_key(exchange.head);
+  UploadRequest request;
+  request.upload = json   ? read_json(exchange, service, details)
+                   : form ? read_form(exchange, service, details)
+                          : read_raw(exchange, service);
+  request.submission = details.submission();
+  const std::string& digest = request.upload->finish();
+  if (!json && !form) check_digest(exchange.head, digest);
+  request.submission.principal = exchange.principal.id;
+  request.submission.idempotency_key = key;
+  request.submission.route = exchange.head.path;
+  return request;
+}
+
+}  // namespace sheetform::server

@@ -1,0 +1,282 @@
+#include "server/jobs/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <thread>
+
+namespace sheetform::server {
+namespace {
+
+constexpr std::size_t kLogBytes = 256 * 1024;
+constexpr int kLinesPerSecond = 200;                        // more is no progress, it is a flood
+constexpr auto kPatience = std::chrono::milliseconds(500);  // between SIGTERM and SIGKILL
+constexpr auto kTick = std::chrono::milliseconds(250);
+constexpr int kFirstHighDescriptor = 16;  // above every number that the child is given
+
+[[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+
+/// A copy of `fd` that no number of the child's table collides with.
+Descriptor high_copy(int fd) {
+  const int copy = ::fcntl(fd, F_DUPFD_CLOEXEC, kFirstHighDescriptor);
+  if (copy < 0) refuse("dup");
+  return Descriptor(copy);
+}
+
+struct Pipe {
+  Descriptor read_end, write_end;
+};
+
+Pipe make_pipe() {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) refuse("pipe");
+  Descriptor first(ends[0]), second(ends[1]);
+  Pipe pipe{std::move(first), high_copy(second.get())};
+  ::fcntl(pipe.read_end.get(), F_SETFL, O_NONBLOCK);
+  return pipe;
+}
+
+Descriptor make_request_file(const WorkerRequest& request) {
+  const std::string text = to_text(request);
+  const Descriptor memory(::memfd_create("request", MFD_CLOEXEC));
+  if (!memory.valid() || ::write(memory.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    refuse("request of the child");
+  ::lseek(memory.get(), 0, SEEK_SET);
+  return high_copy(memory.get());
+}
+
+/// The actions and attributes of posix_spawn, freed at the end.
+class SpawnPlan {
+ public:
+  SpawnPlan() {
+    ::posix_spawn_file_actions_init(&actions_);
+    ::posix_spawnattr_init(&attributes_);
+    sigset_t none, all;
+    ::sigemptyset(&none);
+    ::sigfillset(&all);
+    ::posix_spawnattr_setsigmask(&attributes_, &none);
+    ::posix_spawnattr_setsigdefault(&attributes_, &all);
+    ::posix_spawnattr_setpgroup(&attributes_, 0);
+    ::posix_spawnattr_setflags(&attributes_,
+                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+  ~SpawnPlan() {
+    ::posix_spawn_file_actions_destroy(&actions_);
+    ::posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnPlan(const SpawnPlan&) = delete;
+  SpawnPlan& operator=(const SpawnPlan&) = delete;
+
+  void give(int fd, int as) { ::posix_spawn_file_actions_adddup2(&actions_, fd, as); }
+  void give_null(int as, int flags) {
+    ::posix_spawn_file_actions_addopen(&actions_, as, "/dev/null", flags, 0);
+  }
+  pid_t start() {
+    ::posix_spawn_file_actions_addclosefrom_np(&actions_, kRequestDescriptor + 1);
+    std::string program = "sheetform", command = "worker", arenas = "MALLOC_ARENA_MAX=2";
+    std::array<char*, 3> arguments{program.data(), command.data(), nullptr};
+    std::array<char*, 2> environment{arenas.data(), nullptr};
+    pid_t pid = -1;
+    const int error =
+        ::posix_spawn(&pid, "/proc/self/exe", &actions_, &attributes_, arguments.data(), environment.data());
+    if (error != 0) throw std::system_error(error, std::generic_category(), "start of the child");
+    return pid;
+  }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+};
+
+void give_or_null(SpawnPlan& plan, const Descriptor& fd, int as) {
+  if (fd.valid())
+    plan.give(fd.get(), as);
+  else
+    plan.give_null(as, O_RDONLY);
+}
+
+/// The running child and what has been heard from it.
+class Watch {
+ public:
+  Watch(const ChildTask& task, ChildReport& report) : task_(task), report_(report) { start(); }
+
+  void run() {
+    while (!gone_) {
+      std::array<pollfd, 4> ends{
+          pollfd{status_.get(), POLLIN, 0}, pollfd{log_.get(), POLLIN, 0}, pollfd{pid_file_.get(), POLLIN, 0},
+          pollfd{stopping_ || task_.stop == nullptr ? -1 : task_.stop->descriptor(), POLLIN, 0}};
+      ::poll(ends.data(), ends.size(), static_cast<int>(kTick.count()));
+      read_log();
+      read_status();
+      if (ends[2].revents != 0) reap();
+      if (!gone_) check_times();
+    }
+    read_log();
+    read_status();
+  }
+
+ private:
+  void start();
+  void reap();
+  void read_log();
+  void read_status();
+  void take_line(std::string_view line);
+  void check_times();
+  void end_because(ChildEnding why, int signal);
+  std::int64_t cpu_ticks() const;
+
+  const ChildTask& task_;
+  ChildReport& report_;
+  pid_t pid_ = -1;
+  Descriptor pid_file_, status_, log_;
+  std::string pending_;
+  bool gone_ = false, stopping_ = false;
+  SteadyClock::time_point begun_ = SteadyClock::now(), last_life_ = begun_, stop_at_{}, second_{};
+  int lines_this_second_ = 0;
+  std::int64_t last_ticks_ = 0;
+};
+
+void Watch::start() {
+  Pipe status = make_pipe(), log = make_pipe();
+  const Descriptor request = make_request_file(task_.request);
+  const Descriptor input = task_.input >= 0 ? high_copy(task_.input) : Descriptor();
+  const Descriptor folder = task_.folder >= 0 ? high_copy(task_.folder) : Descriptor();
+  SpawnPlan plan;
+  plan.give_null(0, O_RDONLY);
+  plan.give(log.write_end.get(), 1);
+  plan.give(log.write_end.get(), 2);
+  give_or_null(plan, input, kInputDescriptor);
+  give_or_null(plan, folder, kFolderDescriptor);
+  plan.give(status.write_end.get(), kStatusDescriptor);
+  plan.give(request.get(), kRequestDescriptor);
+  pid_ = plan.start();
+  pid_file_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+  status_ = std::move(status.read_end);
+  log_ = std::move(log.read_end);
+}
+
+void Watch::reap() {
+  int status = 0;
+  struct rusage usage {};
+  if (::wait4(pid_, &status, WNOHANG, &usage) != pid_) return;
+  gone_ = true;
+  ::kill(-pid_, SIGKILL);  // whoever is left of its group; the sandbox lets nobody be
+  report_.peak_rss = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+  report_.cpu_ms = (usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) * 1000 +
+                   (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) / 1000;
+  if (WIFSIGNALED(status))
+    report_.signal = WTERMSIG(status);
+  else
+    report_.exit_status = WEXITSTATUS(status);
+  if (!stopping_) report_.ending = WIFSIGNALED(status) ? ChildEnding::kSignalled : ChildEnding::kExited;
+}
+
+void Watch::read_log() {
+  char buffer[4096];
+  for (ssize_t got; (got = ::read(log_.get(), buffer, sizeof buffer)) > 0;)
+    report_.log.append(buffer, std::min(static_cast<std::size_t>(got), kLogBytes - report_.log.size()));
+}
+
+void Watch::read_status() {
+  char buffer[4096];
+  for (ssize_t got; (got = ::read(status_.get(), buffer, sizeof buffer)) > 0;) {
+    pending_.append(buffer, static_cast<std::size_t>(got));
+    std::size_t begin = 0;
+    for (std::size_t end; (end = pending_.find('\n', begin)) != std::string::npos; begin = end + 1)
+      take_line(std::string_view(pending_).substr(begin, end - begin));
+    pending_.erase(0, begin);
+    if (pending_.size() > kStatusLineBytes) end_because(ChildEnding::kFlooded, SIGKILL), pending_.clear();
+  }
+}
+
+void Watch::take_line(std::string_view line) {
+  const auto now = SteadyClock::now();
+  if (now - second_ >= std::chrono::seconds(1)) {
+    second_ = now;
+    lines_this_second_ = 0;
+  }
+  if (++lines_this_second_ > kLinesPerSecond) return end_because(ChildEnding::kFlooded, SIGKILL);
+  last_life_ = now;
+  if (const std::optional<WorkerMessage> message = message_from_line(line)) {
+    if (!stopping_ && task_.on_message) task_.on_message(*message);
+  } else {
+    ++report_.bad_lines;
+  }
+}
+
+/// Processor time used so far, in clock ticks of the kernel; 0 when it cannot be read.
+std::int64_t Watch::cpu_ticks() const {
+  const Descriptor file(::open(("/proc/" + std::to_string(pid_) + "/stat").c_str(), O_RDONLY | O_CLOEXEC));
+  char text[1024];
+  const ssize_t got = file.valid() ? ::read(file.get(), text, sizeof text - 1) : 0;
+  if (got <= 0) return 0;
+  text[got] = '\0';
+  const char* after_name = std::strrchr(text, ')');
+  long user = 0, system = 0;
+  if (after_name == nullptr ||
+      std::sscanf(after_name + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %ld %ld", &user, &system) !=
+          2)
+    return 0;
+  return user + system;
+}
+
+void Watch::check_times() {
+  const auto now = SteadyClock::now();
+  if (stopping_) {
+    if (now >= stop_at_) ::kill(-pid_, SIGKILL);
+    return;
+  }
+  if (task_.stop != nullptr && task_.stop->raised()) return end_because(ChildEnding::kStopped, SIGTERM);
+  if (now - begun_ > task_.wall) return end_because(ChildEnding::kTimedOut, SIGTERM);
+  if (now - last_life_ > task_.stall) {
+    const std::int64_t ticks = cpu_ticks();
+    if (ticks <= last_ticks_) return end_because(ChildEnding::kStalled, SIGTERM);
+    last_ticks_ = ticks;
+    last_life_ = now;
+  }
+}
+
+void Watch::end_because(ChildEnding why, int signal) {
+  if (stopping_) return;
+  stopping_ = true;
+  report_.ending = why;
+  stop_at_ = SteadyClock::now() + kPatience;
+  ::kill(-pid_, signal);
+}
+
+}  // namespace
+
+StopSignal::StopSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!event_.valid()) refuse("eventfd");
+}
+
+void StopSignal::raise() {
+  raised_ = true;
+  const std::uint64_t one = 1;
+  if (::write(event_.get(), &one, sizeof one) < 0) return;  // full means raised already
+}
+
+ChildReport run_child(const ChildTask& task) {
+  ChildReport report;
+  try {
+    Watch watch(task, report);
+    watch.run();
+  } catch (const std::system_error& e) {
+    report.ending = ChildEnding::kNotStarted;
+    report.log += e.what();
+  }
+  return report;
+}
+
+}  // namespace sheetform::server

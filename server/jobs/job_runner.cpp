@@ -1,0 +1,218 @@
+#include "server/jobs/job_runner.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <mutex>
+#include <system_error>
+
+#include "server/base/log.h"
+
+namespace sheetform::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPersistEvery = 5;  // percent; finer progress is live only
+
+/// A folder that is gone when its owner is.
+class AttemptFolder {
+ public:
+  AttemptFolder(const fs::path& work, const ClaimedJob& claimed)
+      : path_(work / (claimed.job.id + "-" + std::to_string(claimed.job.attempt))) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+    folder_.reset(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!folder_.valid()) throw std::system_error(errno, std::generic_category(), "folder of the attempt");
+  }
+  ~AttemptFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  AttemptFolder(const AttemptFolder&) = delete;
+  AttemptFolder& operator=(const AttemptFolder&) = delete;
+  int descriptor() const { return folder_.get(); }
+
+ private:
+  fs::path path_;
+  Descriptor folder_;
+};
+
+/// What the child has said so far.
+class Listener {
+ public:
+  Listener(const RunnerParts& parts, const ClaimedJob& claimed) : parts_(parts), claimed_(claimed) {}
+
+  void operator()(const WorkerMessage& m) {
+    if (m.problem) problem = m.problem;
+    if (m.result) result = m.result;
+    if (m.progress) take_progress(*m.progress);
+  }
+
+  std::optional<api::Problem> problem;
+  std::optional<WorkerMessage::Result> result;
+  std::string stage;
+
+ private:
+  void take_progress(const WorkerMessage::Progress& p) {
+    // 100 is for the published result alone.
+    const int percent = std::min(99, static_cast<int>(p.fraction * 100));
+    const bool keep = p.stage != stage || percent >= kept_ + kPersistEvery;
+    stage = p.stage;
+    if (keep) {
+      kept_ = percent;
+      parts_.jobs.report_progress(claimed_, percent, p.stage, p.message);
+    }
+    parts_.bus.progress(claimed_.job.id, {claimed_.job.attempt, percent, p.stage, p.message}, keep);
+  }
+
+  const RunnerParts& parts_;
+  const ClaimedJob& claimed_;
+  int kept_ = -1;
+};
+
+ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int input, int folder,
+                   const StopSignal& stop) {
+  const ServiceLimits& l = parts.limits;
+  ChildTask task;
+  task.input = input;
+  task.folder = folder;
+  task.request.name = claimed.job.input_name;
+  task.request.parameters = api::Json::parse(claimed.job.parameters);
+  task.request.threads = l.threads;
+  task.request.memory = l.job_memory;
+  task.request.file_bytes = l.result_bytes;
+  task.request.cpu_seconds = l.job_seconds * l.threads + 10;
+  task.request.sandbox = parts.sandbox;
+  task.wall = std::chrono::seconds(l.job_seconds);
+  task.stall = std::chrono::seconds(l.stall_seconds);
+  task.stop = &stop;
+  return task;
+}
+
+/// Opens a file that the child wrote: a regular file with one name, no link.
+Descriptor open_output(int folder, const std::string& name, std::uint64_t& bytes) {
+  Descriptor file(::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
+  struct stat status {};
+  if (!file.valid() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink != 1)
+    throw std::runtime_error("the job's process named a file that is not there: " + name);
+  bytes = static_cast<std::uint64_t>(status.st_size);
+  return file;
+}
+
+std::vector<StoredOutput> store_outputs(const RunnerParts& parts, int folder,
+                                        const WorkerMessage::Result& result) {
+  if (result.files.empty() || result.files.size() > static_cast<std::size_t>(parts.limits.result_files))
+    throw std::runtime_error("the job's process named " + std::to_string(result.files.size()) + " files");
+  std::vector<StoredOutput> stored;
+  std::uint64_t total = 0;
+  for (const WorkerFile& file : result.files) {
+    for (const StoredOutput& other : stored)
+      if (other.name == file.name)
+        throw std::runtime_error("the job's process named a file twice: " + file.name);
+    std::uint64_t bytes = 0;
+    const Descriptor descriptor = open_output(folder, file.name, bytes);
+    total += bytes;
+    if (total > parts.limits.result_bytes) throw std::runtime_error("the result is too large");
+    stored.push_back({file.name, file.media_type, parts.blobs.put_file(descriptor.get(), bytes),
+                      static_cast<std::int64_t>(bytes)});
+  }
+  return stored;
+}
+
+std::string summary_of(const api::Json& report) {
+  const int parts = report.value("patches", 0);
+  return std::to_string(parts) + (parts == 1 ? " part" : " parts") +
+         (report.value("e_max_met", true) ? "" : ", tolerance not met everywhere");
+}
+
+/// Content first, then the row that names it: a row without its content cannot exist.
+void publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+             const WorkerMessage::Result& result) {
+  const std::shared_lock lock(parts.content);
+  const std::vector<StoredOutput> outputs = store_outputs(parts, folder, result);
+  api::Json report = result.report;
+  report["notes"] = result.notes;
+  parts.jobs.succeed(claimed, outputs, api::dump(report), summary_of(report));
+}
+
+void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& verdict) {
+  const std::string id = claimed.job.id;
+  switch (verdict.action) {
+    case Verdict::Action::kFail:
+      parts.jobs.fail(claimed, api::dump(api::to_json(verdict.problem)), verdict.problem.detail,
+                      verdict.counted_as);
+      break;
+    case Verdict::Action::kRequeue:
+      parts.jobs.requeue(claimed, verdict.counted_as, now_us() + verdict.delay,
+                         "waiting again: " + verdict.problem.detail);
+      break;
+    case Verdict::Action::kPublish:
+    case Verdict::Action::kDrop:
+      break;
+  }
+}
+
+/// Publishes, and turns a failure to do so into another verdict.
+Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+                         const WorkerMessage::Result& result, Verdict verdict) {
+  try {
+    publish(parts, claimed, folder, result);
+    return verdict;
+  } catch (const StoreError& e) {
+    verdict.action = Verdict::Action::kRequeue;
+    verdict.outcome = "io";
+    verdict.problem.detail =
+        e.kind() == StoreFailure::kFull ? "the server's disk is full" : "the store is busy";
+    // A full disk is not the job's fault: it waits until there is room, and nothing is counted against it.
+    verdict.counted_as = Requeue::kInterruption;
+    verdict.delay = 10 * kSecond;
+  } catch (const std::runtime_error& e) {
+    verdict.action = Verdict::Action::kFail;
+    verdict.outcome = "failed";
+    verdict.problem.type = api::ProblemType::kAlgorithmFailed;
+    verdict.problem.detail = e.what();
+  }
+  return verdict;
+}
+
+void fail_without_input(const RunnerParts& parts, const ClaimedJob& claimed) {
+  Verdict verdict;
+  verdict.problem.type = api::ProblemType::kStorage;
+  verdict.problem.detail = "the uploaded mesh is not in the store any more";
+  verdict.problem.fix = "upload it again";
+  act(parts, claimed, verdict);
+}
+
+void log_end(const ClaimedJob& claimed, const Verdict& verdict, const ChildReport& report) {
+  log_info("job attempt ended", {{"job", claimed.job.id},
+                                 {"attempt", claimed.job.attempt},
+                                 {"outcome", verdict.outcome},
+                                 {"signal", report.signal},
+                                 {"exit", report.exit_status},
+                                 {"cpuMs", report.cpu_ms},
+                                 {"peakRss", report.peak_rss}});
+}
+
+}  // namespace
+
+void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const StopSignal& stop,
+                 const std::atomic<StopReason>& reason) {
+  const Descriptor input = parts.inputs.open(claimed.job.input);
+  if (!input.valid()) return fail_without_input(parts, claimed);
+  const AttemptFolder folder(parts.work, claimed);
+  Listener listener(parts, claimed);
+  ChildTask task = task_for(parts, claimed, input.get(), folder.descriptor(), stop);
+  task.on_message = [&listener](const WorkerMessage& m) { listener(m); };
+  const ChildReport report = run_child(task);
+  Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), reason, claimed.job,
+                                  listener.stage, parts.limits);
+  if (verdict.action == Verdict::Action::kPublish)
+    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, verdict);
+  parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,
+                                   report.peak_rss, report.cpu_ms});
+  act(parts, claimed, verdict);
+  log_end(claimed, verdict, report);
+}
+
+}  // namespace sheetform::server

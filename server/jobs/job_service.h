@@ -1,0 +1,114 @@
+// The service behind the API: stores, pool and rules in one place. Knows nothing of HTTP.
+#pragma once
+#include <memory>
+#include <set>
+
+#include "server/jobs/event_bus.h"
+#include "server/jobs/inspector.h"
+#include "server/jobs/service_limits.h"
+#include "server/jobs/slot_pool.h"
+
+namespace sheetform::server {
+
+struct ServiceOptions {
+  std::filesystem::path data;
+  ServiceLimits limits;
+  bool sandbox = true;
+};
+
+/// A request that cannot be granted; becomes a problem response.
+class Refusal : public std::runtime_error {
+ public:
+  explicit Refusal(api::Problem problem) : std::runtime_error(problem.detail), problem_(std::move(problem)) {}
+  Refusal(api::ProblemType type, std::string detail, std::string fix = {}, std::string where = {});
+  const api::Problem& problem() const { return problem_; }
+
+ private:
+  api::Problem problem_;
+};
+
+/// An upload with everything that decides about it.
+struct Submission {
+  std::int64_t principal = 0;
+  std::string name, tag;               ///< display name of the mesh; name of the job
+  api::Json parameters;                ///< complete (understood_parameters)
+  std::string idempotency_key, route;  ///< key empty: none
+  bool refresh = false;                ///< do not reuse an earlier result
+};
+
+struct Submitted {
+  JobRecord job;
+  bool replayed = false;  ///< the job of an earlier request with the same idempotency key
+};
+
+class JobService {
+ public:
+  /// Locks the data folder, opens the stores, recovers what the last process left. Throws StoreError,
+  /// std::filesystem::filesystem_error, and Refusal when another server uses the folder.
+  explicit JobService(ServiceOptions options);
+  ~JobService();
+  JobService(const JobService&) = delete;
+  JobService& operator=(const JobService&) = delete;
+
+  void start();
+  /// No new jobs are taken or begun; running ones get `grace`.
+  void drain(std::chrono::seconds grace);
+  bool draining() const { return draining_; }
+  /// Ends every wait for events.
+  void end_waits() { bus_.wake_all(); }
+
+  /// Throws Refusal when no upload can be taken now: draining, queue full, disk full.
+  void check_admission(std::int64_t principal) const;
+  std::unique_ptr<Upload> begin_upload() const;
+  /// The accept protocol: when it returns, upload and job are on stable storage. Throws Refusal.
+  Submitted submit(Upload& upload, const Submission& submission);
+
+  /// A job that this principal may see, or Refusal kNoSuchJob. principal none: every job.
+  JobRecord job(const std::string& id, std::optional<std::int64_t> principal) const;
+  /// For the wire, with live progress and place in the queue.
+  api::StatusInfo status(const JobRecord& job) const;
+  /// The status as it was at an event.
+  api::StatusInfo status_at(const JobRecord& job, const JobEvent& event) const;
+  /// Cancels or removes; the job as it is afterwards (as dismissed when it was removed).
+  JobRecord dismiss(const JobRecord& job);
+  JobRecord retry(const JobRecord& job);
+  /// Waits until the job's revision differs, or (until_end) until it has ended; at most `limit`.
+  JobRecord wait_for_change(JobRecord job, bool until_end, std::chrono::seconds limit);
+
+  const JobStore& store() const { return jobs_; }
+  JobStore& store() { return jobs_; }
+  const BlobStore& blobs() const { return blobs_; }
+  Descriptor open_input(const std::string& digest) const { return inputs_.open(digest); }
+  EventBus& bus() { return bus_; }
+  const EventBus& bus() const { return bus_; }
+  const ServiceLimits& limits() const { return options_.limits; }
+  int running() const { return pool_.running(); }
+  std::uint64_t free_bytes() const;
+
+  /// Removes what is over its time or quota, and content that nothing names. Called now and then.
+  void keep_house();
+
+ private:
+  Submitted accept(Upload& upload, const Submission& s, const std::string& fingerprint,
+                   const Inspection& inspection);
+  NewJob new_job(Upload& upload, const Submission& s, const std::string& fingerprint,
+                 const Inspection& inspection) const;
+  std::optional<Submitted> earlier(const Submission& s, const std::string& fingerprint) const;
+  void collect_unused();
+  void keep_quota();
+
+  ServiceOptions options_;
+  Descriptor lock_;
+  JobStore jobs_;
+  BlobStore blobs_;
+  InputStore inputs_;
+  EventBus bus_;
+  Inspector inspector_;
+  std::shared_mutex content_;
+  SlotPool pool_;
+  std::atomic<bool> draining_{false};
+  mutable std::mutex keys_mutex_;
+  std::set<std::string> keys_in_progress_;
+};
+
+}  // namespace sheetform::server

@@ -1,0 +1,30 @@
+// What a job's process may still do once it has been started: compute, read its input, write into its folder.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "sheetform_api/json_text.h"
+
+namespace sheetform::server {
+
+struct SandboxLimits {
+  std::uint64_t memory = 0;      ///< bytes of address space; 0: no limit
+  std::uint64_t file_bytes = 0;  ///< largest file; 0: no limit
+  int cpu_seconds = 0;           ///< 0: no limit
+};
+
+/// Limits, low priority, no core dumps, dies with its parent. Cannot fail in a way that matters.
+void lower_process(const SandboxLimits& limits);
+
+struct SandboxState {
+  bool landlock = false, seccomp = false, network = false;  ///< network: cut off by a namespace of its own
+};
+
+/// Closes the process in: no files but those below `folder` (a descriptor) and what is open already, no
+/// sockets, no programs, no processes, no signals to others. Says what this kernel could do.
+SandboxState close_in(int folder);
+
+/// Tries everything that close_in forbids, from inside; each member says whether it was refused.
+api::Json probe_sandbox(int folder);
+
+}  // namespace sheetform::server

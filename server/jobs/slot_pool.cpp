@@ -1,0 +1,115 @@
+#include "server/jobs/slot_pool.h"
+
+#include "server/base/log.h"
+
+namespace sheetform::server {
+namespace {
+
+constexpr auto kPoll = std::chrono::seconds(2);  // the truth behind every missed wake
+constexpr auto kAfterFailure = std::chrono::seconds(1);
+
+}  // namespace
+
+SlotPool::~SlotPool() { drain(SteadyClock::now()); }
+
+void SlotPool::start(int slots) {
+  for (int i = 0; i < slots; ++i) threads_.emplace_back([this] { run_slot(); });
+}
+
+void SlotPool::wake() {
+  const std::lock_guard lock(mutex_);
+  ++wakes_;
+  work_.notify_all();
+}
+
+void SlotPool::stop_job(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = running_.find(id);
+  if (found == running_.end()) return;
+  found->second->reason = StopReason::kDismissed;
+  found->second->stop.raise();
+}
+
+int SlotPool::running() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(running_.size());
+}
+
+void SlotPool::stop_for_drain(Running& job) {
+  StopReason none = StopReason::kNone;
+  job.reason.compare_exchange_strong(none, StopReason::kDrain);
+  job.stop.raise();
+}
+
+void SlotPool::stop_all() {
+  stop_now_ = true;
+  for (auto& [id, job] : running_) stop_for_drain(*job);
+}
+
+void SlotPool::drain(SteadyClock::time_point deadline) {
+  {
+    std::unique_lock lock(mutex_);
+    draining_ = true;
+    work_.notify_all();
+    ended_.wait_until(lock, deadline, [this] { return running_.empty(); });
+    stop_all();
+  }
+  for (std::thread& t : threads_) t.join();
+  threads_.clear();
+}
+
+void SlotPool::wait_for_work(std::unique_lock<std::mutex>& lock) {
+  const std::uint64_t seen = wakes_;
+  work_.wait_for(lock, kPoll, [&] { return draining_ || wakes_ != seen; });
+}
+
+void SlotPool::run_slot() {
+  std::unique_lock lock(mutex_);
+  std::uint64_t seen = wakes_;
+  while (!draining_) {
+    lock.unlock();
+    std::optional<ClaimedJob> claimed;
+    bool failed = false;
+    try {
+      claimed = parts_.jobs.claim(now_us());
+      if (claimed) run_one(*claimed);
+    } catch (const std::exception& e) {
+      log_error("a slot failed", {{"reason", e.what()}});
+      failed = true;
+    }
+    lock.lock();
+    if (failed)
+      work_.wait_for(lock, kAfterFailure, [this] { return draining_; });
+    else if (!claimed && seen == wakes_)
+      wait_for_work(lock);
+    seen = wakes_;
+  }
+}
+
+void SlotPool::run_one(const ClaimedJob& claimed) {
+  const auto running = std::make_shared<Running>();
+  {
+    const std::lock_guard lock(mutex_);
+    running_[claimed.job.id] = running;
+    if (stop_now_) stop_for_drain(*running);
+  }
+  parts_.bus.publish(claimed.job.id);
+  // Dismissed between the claim and the entry above: nobody would stop it any more.
+  const std::optional<JobRecord> job = parts_.jobs.find(claimed.job.id);
+  try {
+    if (job && job->state == JobState::kRunning) run_attempt(parts_, claimed, running->stop, running->reason);
+  } catch (const std::exception& e) {
+    log_error("an attempt failed", {{"job", claimed.job.id}, {"reason", e.what()}});
+    parts_.jobs.requeue(claimed, Requeue::kError, now_us() + 10 * kSecond,
+                        "waiting again: the server had a problem");
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    running_.erase(claimed.job.id);
+    ended_.notify_all();
+  }
+  parts_.bus.forget(claimed.job.id);
+  parts_.bus.publish(claimed.job.id);
+}
+
+}  // namespace sheetform::server

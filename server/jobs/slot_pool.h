@@ -1,0 +1,51 @@
+// The thread pool: each slot takes a job, supervises its process, takes the next.
+#pragma once
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/jobs/job_runner.h"
+
+namespace sheetform::server {
+
+class SlotPool {
+ public:
+  explicit SlotPool(RunnerParts parts) : parts_(std::move(parts)) {}
+  ~SlotPool();
+  SlotPool(const SlotPool&) = delete;
+  SlotPool& operator=(const SlotPool&) = delete;
+
+  void start(int slots);
+  /// New work may be there.
+  void wake();
+  /// Ends the process of a job that a user dismissed.
+  void stop_job(const std::string& id);
+  /// No new jobs; those that run get until `deadline`, then they are stopped and wait again. Returns when all
+  /// slots have ended. May be called once.
+  void drain(SteadyClock::time_point deadline);
+  int running() const;
+
+ private:
+  struct Running {
+    StopSignal stop;
+    std::atomic<StopReason> reason{StopReason::kNone};
+  };
+  void run_slot();
+  void run_one(const ClaimedJob& claimed);
+  void wait_for_work(std::unique_lock<std::mutex>& lock);
+  void stop_all();
+  static void stop_for_drain(Running& job);
+
+  RunnerParts parts_;
+  mutable std::mutex mutex_;
+  std::condition_variable work_, ended_;
+  std::uint64_t wakes_ = 0;
+  bool draining_ = false, stop_now_ = false;
+  std::map<std::string, std::shared_ptr<Running>> running_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace sheetform::server

@@ -1,0 +1,188 @@
+#include "server/jobs/worker_command.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "server/base/descriptor.h"
+#include "server/base/file_output.h"
+#include "server/jobs/sandbox.h"
+#include "server/jobs/worker_protocol.h"
+#include "server/mapping/errors.h"
+#include "server/mapping/run.h"
+
+namespace sheetform::server {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+void request_stop(int) { stop_requested = true; }
+
+/// A failure of the disk below the child, told apart from all others by its exit status.
+struct IoFailure {
+  std::string what;
+};
+
+void send(const WorkerMessage& message) {
+  const std::string line = to_line(message);
+  for (std::size_t at = 0; at < line.size();) {
+    const ssize_t put = ::write(kStatusDescriptor, line.data() + at, line.size() - at);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) ::_exit(kExitOurs);  // nobody listens any more
+    at += static_cast<std::size_t>(put);
+  }
+}
+
+std::string read_all(int fd) {
+  std::string text;
+  char buffer[4096];
+  for (ssize_t got; (got = ::read(fd, buffer, sizeof buffer)) > 0;)
+    text.append(buffer, static_cast<std::size_t>(got));
+  return text;
+}
+
+/// The mesh's bytes, mapped; a file that shrinks meanwhile is not possible (nobody writes to kept inputs).
+class MappedInput {
+ public:
+  explicit MappedInput(int fd) {
+    struct stat status {};
+    if (::fstat(fd, &status) != 0) throw IoFailure{"the input cannot be read"};
+    size_ = static_cast<std::size_t>(status.st_size);
+    if (size_ == 0) return;
+    data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data_ == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~MappedInput() {
+    if (size_ > 0) ::munmap(data_, size_);
+  }
+  MappedInput(const MappedInput&) = delete;
+  MappedInput& operator=(const MappedInput&) = delete;
+  std::string_view bytes() const { return {static_cast<const char*>(data_), size_}; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+void write_below(const OutputFile& file) {
+  const Descriptor d(::openat(kFolderDescriptor, file.name.c_str(),
+                              O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!d.valid()) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
+  for (std::size_t at = 0; at < file.content.size();) {
+    const ssize_t put = ::write(d.get(), file.content.data() + at, file.content.size() - at);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
+    at += static_cast<std::size_t>(put);
+  }
+}
+
+/// Progress as messages, at most twenty a second, but always when the stage changes.
+class ProgressSender {
+ public:
+  void operator()(Stage stage, double fraction, const std::string& message) {
+    const auto now = std::chrono::steady_clock::now();
+    if (stage == stage_ && now - last_ < std::chrono::milliseconds(50)) return;
+    stage_ = stage;
+    last_ = now;
+    WorkerMessage m;
+    m.progress = WorkerMessage::Progress{std::min(1.0, std::max(0.0, fraction)), to_string(stage), message};
+    send(m);
+  }
+
+ private:
+  std::optional<Stage> stage_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+void decompose_job(const WorkerRequest& request) {
+  const MappedInput input(kInputDescriptor);
+  RunContext context;
+  context.cancelled = &stop_requested;
+  context.threads = request.threads;
+  context.progress = ProgressSender();
+  const Outcome outcome = run_decomposition(input.bytes(), request.name, request.parameters, context);
+  WorkerMessage::Result result;
+  for (const OutputFile& file : outcome.files) {
+    write_below(file);
+    result.files.push_back({file.name, file.media_type});
+  }
+  result.report = outcome.report;
+  result.notes = outcome.notes;
+  WorkerMessage m;
+  m.result = std::move(result);
+  send(m);
+}
+
+void inspect_job(const WorkerRequest& request) {
+  const MappedInput input(kInputDescriptor);
+  WorkerMessage m;
+  m.mesh = api::to_json(inspect_mesh(input.bytes(), request.name, request.parameters));
+  send(m);
+}
+
+void probe_job(const SandboxState& state) {
+  WorkerMessage m;
+  m.probe = probe_sandbox(kFolderDescriptor);
+  m.probe["landlock"] = state.landlock;
+  m.probe["seccomp"] = state.seccomp;
+  send(m);
+}
+
+void run_request(const WorkerRequest& request) {
+  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
+  const SandboxState state = request.sandbox ? close_in(kFolderDescriptor) : SandboxState{};
+  switch (request.mode) {
+    case WorkerMode::kDecompose:
+      return decompose_job(request);
+    case WorkerMode::kInspect:
+      return inspect_job(request);
+    case WorkerMode::kProbe:
+      return probe_job(state);
+  }
+}
+
+int tell(const api::Problem& problem, int status) {
+  WorkerMessage m;
+  m.problem = problem;
+  send(m);
+  return status;
+}
+
+int guarded_worker() {
+  try {
+    run_request(worker_request_from(read_all(kRequestDescriptor)));
+    return kExitOk;
+  } catch (const Error& e) {
+    const int status = exit_status(e.code());
+    return tell(to_problem(e), status == kExitUsage ? kExitInput : status);
+  } catch (const std::bad_alloc&) {
+    return kExitMemory;
+  } catch (const IoFailure& e) {
+    std::fprintf(stderr, "%s\n", e.what.c_str());
+    return kExitIo;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return kExitOurs;
+  }
+}
+
+}  // namespace
+
+int worker_command() {
+  if (::fcntl(kRequestDescriptor, F_GETFD) < 0 || ::fcntl(kStatusDescriptor, F_GETFD) < 0)
+    throw Error(ErrorCode::kInvalidParameter, "`worker` is started by the server only", "command line",
+                "use `sheetform decompose`");
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGPIPE, SIG_IGN);
+  const int status = guarded_worker();
+  std::fflush(nullptr);
+  ::_exit(status);  // nothing is left to be done; the kernel frees faster than destructors
+}
+
+}  // namespace sheetform::server

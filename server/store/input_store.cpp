@@ -1,0 +1,123 @@
+#include "server/store/input_store.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "server/base/identity.h"
+#include "server/store/store_error.h"
+
+namespace sheetform::server {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kBuffer = 1 << 18;
+
+[[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+
+void write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(fd, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) refuse("the upload could not be written");
+    bytes.remove_prefix(static_cast<std::size_t>(put));
+  }
+}
+
+void sync_or_end(int fd, const char* what) {
+  if (::fsync(fd) != 0) end_after_storage_failure(std::string("fsync of ") + what);
+}
+
+void sync_folder(const fs::path& folder) {
+  const Descriptor d(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!d.valid()) refuse("a folder of the store could not be opened");
+  sync_or_end(d.get(), "a folder");
+}
+
+std::int64_t changed_at(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return INT64_MAX;
+  return static_cast<std::int64_t>(status.st_mtim.tv_sec) * 1'000'000 + status.st_mtim.tv_nsec / 1000;
+}
+
+}  // namespace
+
+Upload::Upload(const fs::path& spool_folder)
+    : path_(spool_folder / (make_uuid() + ".part")),
+      file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600)) {
+  if (!file_.valid()) refuse("the upload could not be begun");
+}
+
+Upload::~Upload() {
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+void Upload::add(std::string_view bytes) {
+  hash_.add(bytes);
+  bytes_ += bytes.size();
+  buffer_.append(bytes);
+  if (buffer_.size() >= kBuffer) flush();
+}
+
+void Upload::flush() {
+  write_all(file_.get(), buffer_);
+  buffer_.clear();
+}
+
+const std::string& Upload::finish() {
+  flush();
+  if (digest_.empty()) digest_ = hash_.finish();
+  return digest_;
+}
+
+InputStore::InputStore(const fs::path& data) : spool_(data / "spool"), folder_(data / "blobs" / "in") {
+  fs::create_directories(spool_);
+  fs::create_directories(folder_);
+  for (const fs::directory_entry& entry : fs::directory_iterator(spool_))
+    if (entry.path().extension() == ".part") fs::remove(entry.path());
+}
+
+fs::path InputStore::path_of(const std::string& digest) const {
+  const std::string hex = to_hex(digest);
+  return folder_ / hex.substr(0, 2) / hex;
+}
+
+void InputStore::keep(Upload& upload) {
+  const fs::path target = path_of(upload.finish());
+  if (::fdatasync(upload.file_.get()) != 0) {
+    if (errno == ENOSPC || errno == EDQUOT) refuse("the upload could not be stored");
+    end_after_storage_failure("fdatasync of an upload");
+  }
+  if (::mkdir(target.parent_path().c_str(), 0700) == 0) sync_folder(folder_);
+  if (::link(upload.path_.c_str(), target.c_str()) != 0) {
+    if (errno != EEXIST) refuse("the upload could not be stored");
+    // The same bytes are there already. Fresh again, so that the collector leaves them to the job that comes
+    // now.
+    if (::utimensat(AT_FDCWD, target.c_str(), nullptr, 0) != 0) refuse("the upload could not be stored");
+  }
+  sync_folder(target.parent_path());
+}
+
+Descriptor InputStore::open(const std::string& digest) const {
+  return Descriptor(::open(path_of(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+}
+
+void InputStore::drop(const std::string& digest) { ::unlink(path_of(digest).c_str()); }
+
+std::vector<std::string> InputStore::older_than(std::int64_t oldest, std::size_t limit) const {
+  std::vector<std::string> list;
+  std::error_code gone;
+  for (const fs::directory_entry& part : fs::directory_iterator(folder_, gone)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(part.path(), gone)) {
+      std::string digest;
+      if (list.size() < limit && from_hex(entry.path().filename().string(), digest) &&
+          changed_at(entry.path()) < oldest)
+        list.push_back(digest);
+    }
+  }
+  return list;
+}
+
+}  // namespace sheetform::server

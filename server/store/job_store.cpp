@@ -1,0 +1,94 @@
+#include "server/store/job_store.h"
+
+#include "server/store/job_store_state.h"
+
+namespace sheetform::server {
+
+JobStore::JobStore(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
+JobStore::~JobStore() = default;
+
+std::vector<std::string> JobStore::remove_expired(Microseconds now, int limit) {
+  return state_->file.write([&](SQLite::Database& db) {
+    SQLite::Statement remove(db,
+                             "DELETE FROM job WHERE seq IN (SELECT seq FROM job WHERE expires <= ? AND "
+                             "state NOT IN ('accepted', 'running') LIMIT ?) RETURNING id");
+    remove.bind(1, now);
+    remove.bind(2, limit);
+    std::vector<std::string> ids;
+    while (remove.executeStep()) ids.push_back(remove.getColumn(0).getString());
+    return ids;
+  });
+}
+
+std::vector<std::string> JobStore::oldest_finished(int limit) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(
+        db,
+        "SELECT id FROM job WHERE state NOT IN ('accepted', 'running') ORDER BY finished, seq "
+        "LIMIT ?");
+    select.bind(1, limit);
+    std::vector<std::string> ids;
+    while (select.executeStep()) ids.push_back(select.getColumn(0).getString());
+    return ids;
+  });
+}
+
+bool JobStore::remove(const std::string& id) {
+  return state_->file.write([&](SQLite::Database& db) {
+    SQLite::Statement remove(db, "DELETE FROM job WHERE id = ? AND state NOT IN ('accepted', 'running')");
+    remove.bind(1, id);
+    return remove.exec() == 1;
+  });
+}
+
+std::int64_t JobStore::stored_bytes() const {
+  return state_->file.read([](SQLite::Database& db) {
+    return db.execAndGet("SELECT coalesce(sum(bytes), 0) FROM blob").getInt64();
+  });
+}
+
+std::vector<std::string> JobStore::unused_blobs(Microseconds older_than, int limit) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(db,
+                             "SELECT digest FROM blob WHERE created < ? AND "
+                             "NOT EXISTS (SELECT 1 FROM job WHERE input = digest) AND "
+                             "NOT EXISTS (SELECT 1 FROM output WHERE output.digest = blob.digest) LIMIT ?");
+    select.bind(1, older_than);
+    select.bind(2, limit);
+    std::vector<std::string> list;
+    while (select.executeStep()) list.push_back(blob_of(select.getColumn(0)));
+    return list;
+  });
+}
+
+bool JobStore::remove_blob_row(const std::string& digest) {
+  return state_->file.write([&](SQLite::Database& db) {
+    SQLite::Statement remove(db,
+                             "DELETE FROM blob WHERE digest = ? AND "
+                             "NOT EXISTS (SELECT 1 FROM job WHERE input = digest) AND "
+                             "NOT EXISTS (SELECT 1 FROM output WHERE output.digest = blob.digest)");
+    bind_blob(remove, 1, digest);
+    return remove.exec() == 1;
+  });
+}
+
+bool JobStore::knows_blob(const std::string& digest) const { return input_bytes(digest) >= 0; }
+
+void JobStore::forget_idempotency(Microseconds older_than) {
+  state_->file.write([&](SQLite::Database& db) {
+    SQLite::Statement remove(db, "DELETE FROM idempotency WHERE at < ?");
+    remove.bind(1, older_than);
+    remove.exec();
+  });
+}
+
+std::string JobStore::check_integrity() const {
+  return state_->file.read([](SQLite::Database& db) {
+    const std::string answer = db.execAndGet("PRAGMA quick_check").getString();
+    return answer == "ok" ? std::string() : answer;
+  });
+}
+
+void JobStore::checkpoint() { state_->file.run_outside_transaction("PRAGMA wal_checkpoint(TRUNCATE)"); }
+
+}  // namespace sheetform::server

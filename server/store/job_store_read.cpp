@@ -1,0 +1,167 @@
+// Questions about jobs. Each is one short read, so that no reader keeps the log of changes from being reset.
+#include "server/store/job_store_state.h"
+
+namespace sheetform::server {
+namespace {
+
+/// Conditions with their values, in order.
+class Where {
+ public:
+  void add(const std::string& condition) { text_ += (text_.empty() ? " WHERE " : " AND ") + condition; }
+  template <class T>
+  void add(const std::string& condition, const T& value) {
+    add(condition);
+    values_.emplace_back([value](SQLite::Statement& s, int i) { s.bind(i, value); });
+  }
+  template <class A, class B, class C>
+  void add(const std::string& condition, const A& a, const B& b, const C& c) {
+    add(condition, a);
+    values_.emplace_back([b](SQLite::Statement& s, int i) { s.bind(i, b); });
+    values_.emplace_back([c](SQLite::Statement& s, int i) { s.bind(i, c); });
+  }
+  const std::string& text() const { return text_; }
+  int bind(SQLite::Statement& statement) const {
+    int index = 1;
+    for (const auto& value : values_) value(statement, index++);
+    return index;
+  }
+
+ private:
+  std::string text_;
+  std::vector<std::function<void(SQLite::Statement&, int)>> values_;
+};
+
+std::string state_list(const std::vector<JobState>& states) {
+  std::string text;
+  for (const JobState s : states) text += (text.empty() ? "'" : ", '") + std::string(api::to_string(s)) + "'";
+  return "state IN (" + text + ")";
+}
+
+Where where_of(const JobFilter& f) {
+  // Whole seconds of a job: until its end, or until now when it still runs.
+  const std::string seconds = "(coalesce(finished, " + std::to_string(now_us()) + ") - started) / 1000000.0";
+  Where where;
+  if (!f.states.empty()) where.add(state_list(f.states));
+  if (!f.process.empty()) where.add("process = ?", f.process);
+  if (!f.tag.empty()) where.add("tag = ?", f.tag);
+  if (f.principal) where.add("principal = ?", *f.principal);
+  if (f.created_from) where.add("created >= ?", *f.created_from);
+  if (f.created_to) where.add("created <= ?", *f.created_to);
+  if (f.min_seconds) where.add(seconds + " >= ?", *f.min_seconds);
+  if (f.max_seconds) where.add(seconds + " <= ?", *f.max_seconds);
+  if (f.after)
+    where.add("(created < ? OR (created = ? AND id < ?))", f.after->first, f.after->first, f.after->second);
+  return where;
+}
+
+}  // namespace
+
+std::optional<JobRecord> JobStore::find(const std::string& id) const {
+  return state_->file.read([&](SQLite::Database& db) { return find_job(db, id); });
+}
+
+std::vector<JobRecord> JobStore::list(const JobFilter& filter) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    const Where where = where_of(filter);
+    SQLite::Statement select(db, std::string("SELECT ") + kJobColumns + " FROM job" + where.text() +
+                                     " ORDER BY created DESC, id DESC LIMIT ?");
+    select.bind(where.bind(select), filter.limit);
+    std::vector<JobRecord> jobs;
+    while (select.executeStep()) jobs.push_back(read_job(select));
+    return jobs;
+  });
+}
+
+std::int64_t JobStore::queue_position(const JobRecord& job) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(db,
+                             "SELECT count(*) FROM job WHERE state = 'accepted' AND "
+                             "(run_after < ?1 OR (run_after = ?1 AND seq <= ?2))");
+    select.bind(1, job.run_after);
+    select.bind(2, job.seq);
+    select.executeStep();
+    return select.getColumn(0).getInt64();
+  });
+}
+
+std::vector<StoredOutput> JobStore::outputs(std::int64_t seq) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(db,
+                             "SELECT name, media, output.digest, bytes FROM output JOIN blob "
+                             "ON blob.digest = output.digest WHERE job = ? ORDER BY position");
+    select.bind(1, seq);
+    std::vector<StoredOutput> list;
+    while (select.executeStep())
+      list.push_back({select.getColumn(0).getString(), select.getColumn(1).getString(),
+                      blob_of(select.getColumn(2)), select.getColumn(3).getInt64()});
+    return list;
+  });
+}
+
+std::vector<JobEvent> JobStore::events_after(std::int64_t seq, std::int64_t number) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(
+        db,
+        "SELECT n, at, state, progress, stage, message FROM event WHERE job = ? AND n > ? "
+        "ORDER BY n");
+    select.bind(1, seq);
+    select.bind(2, number);
+    std::vector<JobEvent> list;
+    while (select.executeStep())
+      list.push_back({select.getColumn(0).getInt64(), select.getColumn(1).getInt64(),
+                      api::job_state_from(select.getColumn(2).getString()).value_or(JobState::kFailed),
+                      select.getColumn(3).getInt(), select.getColumn(4).getString(),
+                      select.getColumn(5).getString()});
+    return list;
+  });
+}
+
+std::string JobStore::attempt_log(std::int64_t seq) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(
+        db, "SELECT n, coalesce(outcome, 'running'), log FROM attempt WHERE job = ? ORDER BY n");
+    select.bind(1, seq);
+    std::string text;
+    while (select.executeStep())
+      text += "--- start " + std::to_string(select.getColumn(0).getInt()) + ": " +
+              select.getColumn(1).getString() + "\n" + select.getColumn(2).getString();
+    return text;
+  });
+}
+
+std::int64_t JobStore::input_bytes(const std::string& digest) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(db, "SELECT bytes FROM blob WHERE digest = ?");
+    bind_blob(select, 1, digest);
+    return select.executeStep() ? select.getColumn(0).getInt64() : std::int64_t{-1};
+  });
+}
+
+std::map<std::string, std::int64_t> JobStore::counts() const {
+  return state_->file.read([](SQLite::Database& db) {
+    std::map<std::string, std::int64_t> counts;
+    SQLite::Statement select(db, "SELECT state, count(*) FROM job GROUP BY state");
+    while (select.executeStep()) counts[select.getColumn(0).getString()] = select.getColumn(1).getInt64();
+    return counts;
+  });
+}
+
+std::int64_t JobStore::waiting(std::optional<std::int64_t> principal) const {
+  return state_->file.read([&](SQLite::Database& db) {
+    SQLite::Statement select(db, std::string("SELECT count(*) FROM job WHERE state = 'accepted'") +
+                                     (principal ? " AND principal = ?" : ""));
+    if (principal) select.bind(1, *principal);
+    select.executeStep();
+    return select.getColumn(0).getInt64();
+  });
+}
+
+std::optional<Microseconds> JobStore::oldest_waiting() const {
+  return state_->file.read([](SQLite::Database& db) {
+    SQLite::Statement select(db, "SELECT min(created) FROM job WHERE state = 'accepted'");
+    select.executeStep();
+    return optional_integer(select.getColumn(0));
+  });
+}
+
+}  // namespace sheetform::server

@@ -1,0 +1,40 @@
+// Fewer parts or closer to the shape: all results of one mesh as points of a curve.
+
+/** Tolerances of a sweep, as fractions of the diagonal, coarse first: the quick ones answer first. */
+export const SWEEP = [0.06, 0.04, 0.025, 0.015, 0.01, 0.006];
+
+/** Parameters that make two jobs comparable: all but the tolerance, the effort and the seed. */
+function family(job) {
+  const { e_max, e_max_mm, effort, seed, ...rest } = job.parameters ?? {};
+  void [e_max, e_max_mm, effort, seed];
+  return `${job.inputs?.mesh?.sha256} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
+}
+
+/** The jobs of the same mesh and parameters as `job`, itself included. */
+export function relatives(job, all) {
+  const mine = family(job);
+  return all.filter((other) => family(other) === mine);
+}
+
+/**
+ * Points of the curve: {job, error (fraction), parts, cut (diagonals), best} by growing error; `best` where no other
+ * point has both less error and fewer parts.
+ */
+export function curve(job, all) {
+  const points = relatives(job, all)
+    .filter((other) => other.status === "successful" && Number.isFinite(other.report?.hausdorff))
+    .map((other) => ({ job: other, error: other.report.hausdorff, parts: other.report.patches, cut: other.report.cut_length ?? NaN }))
+    .sort((a, b) => a.error - b.error || a.parts - b.parts);
+  let fewest = Infinity;
+  for (const point of points) {
+    point.best = point.parts < fewest;
+    fewest = Math.min(fewest, point.parts);
+  }
+  return points;
+}
+
+/** Tolerances of the sweep that no job of the family has asked for yet. */
+export function missing(job, all) {
+  const asked = relatives(job, all).filter((other) => other.status !== "failed" && other.status !== "dismissed").map((other) => other.parameters.e_max);
+  return SWEEP.filter((e) => !asked.some((other) => Math.abs(other / e - 1) < 0.02));
+}

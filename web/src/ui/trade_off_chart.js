@@ -1,0 +1,83 @@
+// The curve of parts against error: every result of this mesh, and a sweep that fills the gaps. A point opens its result.
+import { execute, getInput } from "../api.js";
+import { h, replace, s } from "../dom.js";
+import { count, millimetres, percent } from "../format.js";
+import { ACTIVE, jobs } from "../jobs.js";
+import { recall, remember } from "../prefs.js";
+import { curve, missing, relatives } from "../result/trade_off.js";
+import { problemBox } from "./problem.js";
+
+const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 190, 34, 30, 12];
+
+export function tradeOff(job, scale, stops) {
+  const chart = h("div", {});
+  const controls = h("div", { class: "row" });
+  const note = h("div", {});
+  let sending = false;
+  const update = () => {
+    const all = jobs.newestFirst();
+    const mine = jobs.get(job.jobID) ?? job;
+    replace(chart, draw(curve(mine, all), mine, scale));
+    const active = relatives(mine, all).filter((other) => ACTIVE.has(other.status)).length;
+    const wanted = missing(mine, all);
+    replace(controls,
+      active > 0 ? h("p", { class: "busy" }, `${count(active, "result")} on the way …`)
+        : wanted.length > 0 && h("button", { type: "button", disabled: sending, onclick: () => sweep(wanted) }, "Try other tolerances"));
+  };
+  async function sweep(tolerances) {
+    sending = true;
+    update();
+    try {
+      const mesh = await getInput(job.jobID);
+      const known = recall("jobs", {});
+      for (const e_max of tolerances) {
+        const next = await execute(mesh, { ...changed(job.parameters), e_max, effort: "draft" }, { tag: job.tag, filename: job.inputs?.mesh?.name });
+        known[next.jobID] = known[job.jobID] ?? {};
+        remember("jobs", known);
+        jobs.put(next);
+      }
+    } catch (error) {
+      replace(note, problemBox(error));
+    }
+    sending = false;
+    update();
+  }
+  stops.push(jobs.onChange(update));
+  update();
+  return h("section", { class: "trade-off" }, h("h2", {}, "Fewer parts, or closer?"), chart, controls, note);
+}
+
+/** Parameters as they were asked for; what the server filled in by itself with null is left out. */
+function changed(parameters = {}) {
+  return Object.fromEntries(Object.entries(parameters).filter(([name, value]) => value !== null && name !== "e_max_mm" && name !== "target_size"));
+}
+
+function draw(points, job, scale) {
+  if (points.length === 0) return h("p", { class: "hint" }, "The curve appears with the first result.");
+  const diagonal = (job.inputs?.mesh?.bboxDiagonal ?? 0) * scale;
+  const most = Math.max(...points.map((p) => p.parts), 2);
+  const widest = Math.max(...points.map((p) => p.error), 0.01) * 1.08;
+  const x = (error) => LEFT + ((WIDTH - LEFT - 12) * error) / widest;
+  const y = (parts) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * parts) / (most * 1.08);
+  const best = points.filter((p) => p.best);
+  const line = best.map((p, k) => (k === 0 ? `M${x(p.error)} ${y(p.parts)}` : `H${x(p.error)}V${y(p.parts)}`)).join("");
+  return s("svg", { class: "chart", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": "Parts against largest deviation" },
+    ticks(most).map((n) => [s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }), s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n)]),
+    s("text", { x: LEFT, y: HEIGHT - 10 }, "0"),
+    s("text", { x: WIDTH - 12, y: HEIGHT - 10, "text-anchor": "end" }, `${diagonal ? millimetres(widest * diagonal) : percent(widest)} deviation`),
+    s("text", { x: LEFT + 6, y: TOP + 4 }, "parts"),
+    s("path", { class: "steps", d: line }),
+    points.map((p) => point(p, job, x(p.error), y(p.parts), diagonal)));
+}
+
+function ticks(most) {
+  const step = [1, 2, 5, 10, 20, 50, 100, 200, 500].find((n) => most / n <= 5) ?? 1000;
+  return Array.from({ length: Math.floor((most * 1.08) / step) + 1 }, (_, k) => k * step);
+}
+
+function point(p, job, x, y, diagonal) {
+  const own = p.job.jobID === job.jobID;
+  const text = `${count(p.parts, "part")}, within ${diagonal ? millimetres(p.error * diagonal) : percent(p.error)}${p.job.parameters?.effort === "draft" ? ", quick draft" : ""}`;
+  return s("a", { href: `#job/${p.job.jobID}`, "aria-label": own ? `${text}, shown now` : text, "aria-current": own ? "true" : null },
+    s("title", {}, text), s("circle", { class: "hit", cx: x, cy: y, r: 13 }), s("circle", { class: p.best ? "point best" : "point", cx: x, cy: y, r: own ? 7 : 5 }));
+}
