@@ -31,7 +31,7 @@ struct MorphProblem {
 };
 
 struct MorphParams {
-  double smooth = 1.0;    ///< relative to the mean data weight of an unknown
+  double smooth = 0.3;    ///< relative to the mean data weight of an unknown
   double bend = 0.0;
   int rounds = 4;         ///< minimax reweightings (Lawson) after the least-squares solve
   double slide = 0.7;     ///< share of a sample's tangential offset that is forgiven between rounds

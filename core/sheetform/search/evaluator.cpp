@@ -22,16 +22,23 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
 }
 
 // Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one path.
-std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon, double turn, bool every_node) {
+// Directions are taken over `reach` on either side, so that the answer does not depend on the sampling.
+std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon, double reach, double turn,
+                              bool every_node) {
   std::vector<int> corners;
   const int n = polygon.size();
+  const auto away = [&](int i, int step) {
+    int k = i;
+    do k = (k + step + n) % n;
+    while (k != i && !polygon.node[k] && (polygon.uv[k] - polygon.uv[i]).norm() < 0.9 * reach);
+    return k;
+  };
   for (int i = 0; i < n; ++i) {
     if (!polygon.node[i]) continue;
-    const int before = (i + n - 1) % n;
-    const Vector2 in = polygon.uv[i] - polygon.uv[before], out = polygon.uv[(i + 1) % n] - polygon.uv[i];
+    const Vector2 in = polygon.uv[i] - polygon.uv[away(i, -1)], out = polygon.uv[away(i, 1)] - polygon.uv[i];
     const double angle = std::abs(std::atan2(cross(in, out), in.dot(out)));
     const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
-    const double limit = path(i) != path(before) ? turn : std::max(turn, 50.0);
+    const double limit = path(i) != path((i + n - 1) % n) ? turn : std::max(turn, 50.0);
     if (every_node || angle > limit * kDegree) corners.push_back(i);
   }
   return corners;
@@ -225,7 +232,7 @@ const char* to_string(PatchVerdict verdict) {
 }
 
 double patch_error(const std::vector<MorphSample>& samples, const std::vector<std::array<int, 3>>& triangles,
-                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, Vector3* place) {
+                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, const MorphSample** worst_sample) {
   double worst = 0;
   for (const MorphSample& s : samples) {
     const Vector3 x = s.at(position);
@@ -241,7 +248,7 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
     }
     if (d > worst) {
       worst = d;
-      if (place != nullptr) *place = s.target;
+      if (worst_sample != nullptr) *worst_sample = &s;
     }
   }
   return worst;
@@ -259,6 +266,15 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
   const std::lock_guard lock(mutex_);
   ++evaluations_;
   return cache_.emplace(patch.key, std::move(result)).first->second;
+}
+
+void LayoutEvaluator::reject(const Patch& patch) {
+  const std::lock_guard lock(mutex_);
+  const auto it = cache_.find(patch.key);
+  if (it == cache_.end() || !it->second->viable()) return;
+  auto copy = std::make_shared<PatchEvaluation>(*it->second);
+  copy->verdict = PatchVerdict::kError;
+  it->second = copy;
 }
 
 std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(const PatchLayout& layout) {
@@ -280,10 +296,10 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty()) samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
-  e->corners = find_corners(layout, patch, e->polygon, params_.corner_turn, !params_.t_junctions);
+  e->corners = find_corners(layout, patch, e->polygon, params_.corner_reach, params_.corner_turn, !params_.t_junctions);
   if (static_cast<int>(e->corners.size()) > params_.max_sides) return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
-  const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 3000);
+  const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
   RulingParams ruling = params_.ruling;
   ruling.e_max = params_.e_max;
   e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
@@ -316,7 +332,10 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   const MorphResult result = morph(problem, morph_params);
   std::vector<Vector3> position(n);
   for (int i = 0; i < n; ++i) position[i] = result.position[unknown[i]];
-  e->error = patch_error(e->samples, e->rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, nullptr);
+  const MorphSample* worst = nullptr;
+  e->error = patch_error(e->samples, e->rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &worst);
+  if (worst != nullptr)
+    for (int k = 0; k < 3; ++k) e->worst += worst->coefficient[k] * e->polygon.uv[worst->unknown[k]];
   if (!simple_outline(unfold(position, e->rulings.triangles), 1e-7)) return e->verdict = PatchVerdict::kOverlap, e;
   e->verdict = e->error > params_.e_max ? PatchVerdict::kError : PatchVerdict::kViable;
   return e;
@@ -346,7 +365,6 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::
   LayoutEvaluation out;
   out.patches = std::move(patches);
   out.patch_error.assign(layout.patches.size(), 0);
-  out.patch_worst.assign(layout.patches.size(), Vector3::Zero());
   out.unknowns.resize(layout.patches.size());
   MorphProblem problem;
   OutlineUnknowns unknowns(surface_.mesh, layout, params_.spacing, problem);
@@ -385,7 +403,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::
     const PatchEvaluation& e = *out.patches[p];
     std::vector<Vector3> position(e.polygon.size());
     for (int k = 0; k < e.polygon.size(); ++k) position[k] = out.position[out.unknowns[p][k]];
-    out.patch_error[p] = patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &out.patch_worst[p]);
+    out.patch_error[p] = patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, nullptr);
   });
   for (int p : region) {
     out.max_error = std::max(out.max_error, out.patch_error[p]);

@@ -29,6 +29,7 @@ struct EvaluationParams {
   bool self_seams = true;
   bool t_junctions = true;
   double spacing = 0.03;        ///< of arch samples
+  double corner_reach = 0.03;   ///< length over which directions at nodes are taken
   double corner_turn = 30;      ///< degrees: a node where a patch turns by more is a corner of it
   double normal_deviation = 0;  ///< degrees; 0 = no criterion
   RulingParams ruling;
@@ -47,6 +48,7 @@ struct PatchEvaluation {
   RulingSet rulings;
   std::vector<MorphSample> samples;  ///< unknown = polygon point
   double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout
+  Vector2 worst = Vector2::Zero();   ///< in the chart: where `error` is attained
   bool viable() const { return verdict == PatchVerdict::kViable; }
 };
 
@@ -57,7 +59,6 @@ using ArchPlaces = std::unordered_map<std::uint64_t, std::vector<Vector3>>;
 struct LayoutEvaluation {
   std::vector<std::shared_ptr<const PatchEvaluation>> patches;
   std::vector<double> patch_error;      ///< after the global morph
-  std::vector<Vector3> patch_worst;     ///< where it is attained (on the surface)
   std::vector<std::vector<int>> unknowns;  ///< per patch: polygon point -> unknown
   std::vector<std::vector<int>> arch_unknowns;  ///< per arch: its points from node to node
   std::vector<Vector3> position;        ///< per unknown
@@ -73,6 +74,8 @@ class LayoutEvaluator {
 
   const EvaluationParams& params() const { return params_; }
   std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
+  /// A patch that failed by a finer measure: not viable from now on.
+  void reject(const Patch& patch);
   /// All patches, on all threads.
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(const PatchLayout& layout);
   /// The patch with some chords forbidden (polygon points); not cached.
@@ -101,8 +104,8 @@ class LayoutEvaluator {
 };
 
 /// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it displacement is
-/// taken for distance. place: where.
+/// taken for distance. worst_sample: where.
 double patch_error(const std::vector<MorphSample>& samples, const std::vector<std::array<int, 3>>& triangles,
-                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, Vector3* place);
+                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, const MorphSample** worst_sample);
 
 }  // namespace sheetform

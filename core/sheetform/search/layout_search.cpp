@@ -149,11 +149,19 @@ void LayoutSearch::insert() {
     if (bad.empty()) break;
     if (!insert_best(bad) && split(bad, PatchVerdict::kTooManySides) == 0) break;
   }
-  // Smoothing shifts the outlines a little, so what fitted before is looked at again.
+  settle();
+}
+
+// Smoothing shifts the outlines a little, so what fitted before is looked at again.
+void LayoutSearch::settle() {
   for (int pass = 0; pass < 4; ++pass) {
     smooth();
     if (insert_for_geometry() == 0) break;
   }
+}
+
+void LayoutSearch::reject(const std::vector<int>& patches) {
+  for (int p : patches) evaluator_.reject(layout().patches[p]);
 }
 
 // Patches that break a rule alone, or, when none does, in the global morph.

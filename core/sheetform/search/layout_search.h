@@ -37,6 +37,10 @@ class LayoutSearch {
   int improve(int tries, std::uint64_t seed);
   /// Number of patches plus a little for the length of the cuts.
   double objective();
+  /// Smooths all paths, and splits what does not fit any more, until nothing changes.
+  void settle();
+  /// These patches (of layout()) failed by a finer measure: they are not formed again.
+  void reject(const std::vector<int>& patches);
   /// Smooths all paths on the surface; patches near them are evaluated anew.
   void smooth();
   /// Splits these patches (by id in layout()); returns how many were split.

@@ -256,13 +256,44 @@ std::vector<Vector2> across_longer_axis(const PatchChart& chart) {
   return {mean - reach * shorter, mean + reach * shorter};
 }
 
-// The middles of the rulings.
-std::vector<Vector2> along_middles(const PatchEvaluation& e) {
-  std::vector<Vector2> line;
+double distance_to_chord(const PatchEvaluation& e, const RulingSet::Chord& c, const Vector2& u) {
+  const Vector2 a = e.polygon.uv[c.a], d = e.polygon.uv[c.b] - a;
+  return (u - a - std::clamp((u - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0) * d).squaredNorm();
+}
+
+// Across the rulings, so that they are cut where the error is largest (not nearer to their ends than a quarter); near
+// either end of the sweep, where rulings do not help, along the ruling that cuts the end off.
+std::vector<Vector2> across_rulings(const PatchEvaluation& e) {
   const auto& chords = e.rulings.chords;
-  for (std::size_t i = 0; i < chords.size(); ++i)
-    line.push_back((e.polygon.uv[chords[i].a] + e.polygon.uv[chords[i].b]) / 2);
-  if (line.size() < 2) return across_longer_axis(*e.chart);
+  const int n = static_cast<int>(chords.size());
+  if (n < 4) return across_longer_axis(*e.chart);
+  int near = 0;
+  for (int i = 1; i < n; ++i)
+    if (distance_to_chord(e, chords[i], e.worst) < distance_to_chord(e, chords[near], e.worst)) near = i;
+  if (near < n / 10 || near >= n - n / 10) {
+    const auto& c = chords[near < n / 10 ? std::max(1, n / 6) : std::min(n - 2, n - 1 - n / 6)];
+    return {e.polygon.uv[c.a], e.polygon.uv[c.b]};
+  }
+  const Vector2 a = e.polygon.uv[chords[near].a], d = e.polygon.uv[chords[near].b] - a;
+  const double t = std::clamp((e.worst - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.25, 0.75);
+  // The ends of the chords in the order of one side of the strip: the side that chord `near` calls a.
+  std::vector<Vector2> line;
+  Vector2 side = a;
+  for (int step : {-1, 1}) {
+    side = a;
+    std::vector<Vector2> part;
+    for (int i = near; i >= 0 && i < n; i += step) {
+      const Vector2 &p = e.polygon.uv[chords[i].a], &q = e.polygon.uv[chords[i].b];
+      const bool same = (p - side).squaredNorm() <= (q - side).squaredNorm();
+      side = same ? p : q;
+      part.push_back((1 - t) * side + t * (same ? q : p));
+    }
+    if (step < 0) {
+      line.assign(part.rbegin(), part.rend());
+    } else {
+      line.insert(line.end(), part.begin() + 1, part.end());
+    }
+  }
   // On to the outline at both ends.
   const Vector2 head = line.front() - line[1], tail = line.back() - line[line.size() - 2];
   line.insert(line.begin(), line.front() + head);
@@ -364,7 +395,7 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
       wanted.avoid_a = wanted.avoid_b = -1;
     }
   }
-  if (evaluation.verdict == PatchVerdict::kError) wanted.line = along_middles(evaluation);
+  if (evaluation.verdict == PatchVerdict::kError) wanted.line = across_rulings(evaluation);
   if (evaluation.verdict == PatchVerdict::kTooManySides) wanted.line = between_corners(evaluation);
   if (wanted.line.empty()) wanted.line = across_longer_axis(*chart);
   return cutter.cut(wanted);

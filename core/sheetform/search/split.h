@@ -11,7 +11,7 @@ namespace sheetform {
 /// - touches itself, glued to itself when that is not allowed: between the two places;
 /// - too many sides: so that the corners are shared evenly;
 /// - no rulings, folded, overlapping: across the longer axis of its chart;
-/// - error: along the middle of its rulings, so that they are halved (paper 3.3, method.md 13.4).
+/// - error: across its rulings at the worst place, so that they get shorter (method.md 13.4).
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch, const PatchEvaluation& evaluation);
 
 }  // namespace sheetform
