@@ -16,7 +16,7 @@ struct MorphSample {
   std::array<double, 3> coefficient;
   Vector3 target, normal;      ///< on the surface; unit normal there
   double weight = 0;           ///< area that it stands for; 0 = only measured, not fitted
-  int patch = 0;
+  bool covers = false;         ///< stands for the surface point: measured from there to the strips, not the other way
   Vector3 at(const std::vector<Vector3>& x) const {
     return coefficient[0] * x[unknown[0]] + coefficient[1] * x[unknown[1]] + coefficient[2] * x[unknown[2]];
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <tuple>
 
 #include "sheetform/base/error.h"
 #include "sheetform/search/finish.h"
@@ -33,6 +34,7 @@ struct Attempt {
   std::vector<int> invalid;        // patches that break a strict promise
   std::vector<int> too_far;        // valid patches beyond the tolerance
   double distance = 0;
+  bool good() const { return invalid.empty() && too_far.empty(); }
 };
 
 class ComponentRun {
@@ -57,6 +59,7 @@ class ComponentRun {
     surface_.versions.assign(mesh.points.size(), 0);
     surface_.guide = surface_guide(mesh, curvature);
     surface_.input = &tree_;
+    surface_.details = find_details();
     PathNetwork network = bare_network(mesh);
     add_creases(mesh, crease, network);
     SearchParams search_params;
@@ -73,20 +76,35 @@ class ComponentRun {
   }
 
  private:
+  // Points of the input that the working mesh misses by more than a small share of the tolerance.
+  std::vector<DetailPoint> find_details() const {
+    const SurfaceMesh& mesh = input_.prepared.mesh;
+    std::vector<DetailPoint> details;
+    if (!input_.prepared.remeshed) return details;
+    const ClosestPointTree working(mesh.points, mesh.faces);
+    const double least = 0.06 * params_.evaluation.e_max;
+    for (const Vector3& p : input_.reference.points) {
+      const ClosestPoint hit = working.closest(p);
+      if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
+    }
+    std::stable_sort(details.begin(), details.end(), [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; });
+    return details;
+  }
+
   void reduce(LayoutSearch& search) {
     auto say = [&](const char* w) { if (std::getenv("SAY")) fprintf(stderr, "  %s: %zu patches obj %.3f ev %d hits %d\n", w, search.layout().patches.size(), search.objective(), search.evaluator().evaluations(), search.evaluator().hits()); };
     say("inserted");
     search.remove_paths();
     say("paths");
     if (params_.evaluation.t_junctions) {
-      search.settle();
+      search.smooth_what_allows();
       search.remove_arches();
-      search.settle();
+      search.smooth_what_allows();
       search.remove_arches();
       say("arches");
       search.improve(params_.improvements, params_.seed);
       say("improved");
-      search.settle();
+      search.smooth_what_allows();
       search.remove_arches();
       say("settled");
     }
@@ -98,7 +116,7 @@ class ComponentRun {
     double best = 0;
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
-      const Attempt attempt = build(search);
+      const Attempt attempt = build_best(search);
       if (std::getenv("SAY")) fprintf(stderr, "  final round %d: patches %zu invalid %zu too far %zu distance %.4f\n", round, search.layout().patches.size(), attempt.invalid.size(), attempt.too_far.size(), attempt.distance);
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
@@ -115,10 +133,21 @@ class ComponentRun {
     if (!have_best) throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
   }
 
-  Attempt build(LayoutSearch& search) {
+  // Fine outlines bend more smoothly; coarser ones, as the search had them, when those do not fit.
+  Attempt build_best(LayoutSearch& search) {
+    Attempt best = build(search, params_.fine_spacing);
+    for (double spacing = 1.4 * params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
+      Attempt other = build(search, spacing);
+      const auto rank = [](const Attempt& a) { return std::make_tuple(a.invalid.size(), a.too_far.size(), a.distance); };
+      if (rank(other) < rank(best)) best = std::move(other);
+    }
+    return best;
+  }
+
+  Attempt build(LayoutSearch& search, double spacing) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
-    fine.spacing = params_.fine_spacing;
+    fine.spacing = spacing;
     const FinishedLayout finished =
         finish_layout(surface_, search.network().network(), search.layout(), fine, 10, context_);
     Attempt attempt;

@@ -99,24 +99,39 @@ void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
   for (int i = 0; i < e.polygon.size(); ++i) add(i, i, 0, 0.02 * area / e.polygon.size());
 }
 
-// Every vertex of the patch against the strip triangle above it: bulges and tips outside of all rulings are seen.
-void coverage_samples(const SearchSurface& surface, const ChartRaster& raster, PatchEvaluation& e) {
+// Every vertex of the patch, and every point that the working mesh misses, against the strip triangle above it: bulges
+// and tips outside of all rulings are seen.
+void coverage_samples(const SearchSurface& surface, const Patch& patch, const ChartRaster& raster, PatchEvaluation& e) {
   const auto cells = strip_cells(raster, e.polygon, e.rulings);
   const PatchChart& chart = *e.chart;
-  for (std::size_t v = 0; v < chart.vertices.size(); ++v) {
-    const int t = nearest_cell(cells, raster, chart.uv[v]);
-    if (t < 0) continue;
+  const auto add = [&](const Vector2& u, const Vector3& target, const Vector3& normal, double weight) {
+    const int t = nearest_cell(cells, raster, u);
+    if (t < 0) return;
     const auto& tri = e.rulings.triangles[t];
-    auto w = barycentric(e.polygon.uv[tri[0]], e.polygon.uv[tri[1]], e.polygon.uv[tri[2]], chart.uv[v]);
+    auto w = barycentric(e.polygon.uv[tri[0]], e.polygon.uv[tri[1]], e.polygon.uv[tri[2]], u);
     double sum = 0;
     for (double& x : w) sum += x = std::clamp(x, 0.0, 1.0);
     for (double& x : w) x /= sum;
     MorphSample s;
     s.unknown = tri;
     s.coefficient = w;
-    s.target = surface.mesh.points[chart.vertices[v]];
-    s.patch = t;  // reused below as the index of the triangle
+    s.target = target;
+    s.normal = normal;
+    s.weight = weight;
+    s.covers = true;
     e.samples.push_back(s);
+  };
+  for (std::size_t v = 0; v < chart.vertices.size(); ++v)
+    add(chart.uv[v], surface.mesh.points[chart.vertices[v]], Vector3::UnitZ(), 0);
+  auto detail = surface.details.begin();
+  for (std::size_t i = 0; i < patch.faces.size(); ++i) {
+    const int f = patch.faces[i];
+    detail = std::lower_bound(detail, surface.details.end(), f, [](const DetailPoint& d, int face) { return d.face < face; });
+    for (auto d = detail; d != surface.details.end() && d->face == f; ++d) {
+      const auto& t = chart.triangles[i];
+      const Vector2 u = d->barycentric[0] * chart.uv[t[0]] + d->barycentric[1] * chart.uv[t[1]] + d->barycentric[2] * chart.uv[t[2]];
+      add(u, d->point, surface.guide.normal[f], 2e-3 * patch.area);
+    }
   }
 }
 
@@ -238,7 +253,7 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
     const Vector3 x = s.at(position);
     double d = (x - s.target).norm();
     if (d > limit) {
-      if (s.weight > 0) {
+      if (!s.covers) {
         // The target lies on the working mesh, the input is a little off: hence the slack.
         const ClosestPoint hit = input.closest(x, (d + 2e-3) * (d + 2e-3));
         if (hit.face >= 0) d = std::min(d, std::sqrt(hit.squared_distance));
@@ -302,10 +317,11 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
   RulingParams ruling = params_.ruling;
   ruling.e_max = params_.e_max;
+  ruling.min_height = 0.03 * params_.spacing;
   e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
   chord_samples(raster, patch.area, *e);
-  coverage_samples(surface_, raster, *e);
+  coverage_samples(surface_, patch, raster, *e);
 
   // The patch alone: every outline point is free.
   MorphProblem problem;
@@ -389,7 +405,6 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::
     for (MorphSample s : e.samples) {
       if (s.weight <= 0) continue;
       for (int& u : s.unknown) u = ids[u];
-      s.patch = p;
       problem.samples.push_back(s);
     }
   }

@@ -15,12 +15,20 @@
 
 namespace sheetform {
 
+/// A point of the input that the working mesh misses by more than a little, and the face of the working mesh below.
+struct DetailPoint {
+  Vector3 point;
+  Vector3 barycentric;
+  int face;
+};
+
 /// The surface as the search sees it; lengths are in bounding-box diagonals of the input.
 struct SearchSurface {
   SurfaceMesh mesh;           ///< the working mesh; its points move when paths are smoothed
   std::vector<int> versions;  ///< per vertex, raised when it moves
   SurfaceGuide guide;
   const ClosestPointTree* input = nullptr;  ///< the untouched input
+  std::vector<DetailPoint> details;         ///< ascending by face
 };
 
 struct EvaluationParams {

@@ -160,6 +160,47 @@ void LayoutSearch::settle() {
   }
 }
 
+// Vertices of these patches go back to where they were, and so do vertices of faces that this would turn over.
+void LayoutSearch::put_back(const std::vector<int>& patches, const std::vector<Vector3>& points, const std::vector<int>& versions) {
+  SurfaceMesh& mesh = surface_.mesh;
+  const auto restore = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = versions[v]; };
+  for (int f : faces_of(patches))
+    for (int v : mesh.faces[f]) restore(v);
+  const auto normal_before = [&](int f) {
+    const auto& t = mesh.faces[f];
+    return Vector3((points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]));
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+      const Vector3 now = mesh.face_normal_raw(f), before = normal_before(f);
+      if (now.dot(before) > 0.3 * now.norm() * before.norm() && now.norm() > 0.1 * before.norm()) continue;
+      for (int v : mesh.faces[f])
+        if (mesh.points[v] != points[v]) restore(v), again = true;
+    }
+  }
+  places_.clear();
+  changed();
+}
+
+void LayoutSearch::smooth_what_allows() {
+  const std::vector<Vector3> points = surface_.mesh.points;
+  const std::vector<int> versions = surface_.versions;
+  const std::vector<double> error_before = evaluation().patch_error;
+  smooth();
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    std::vector<int> bad;
+    const LayoutEvaluation& e = evaluation();
+    for (int p = 0; p < static_cast<int>(e.patches.size()); ++p)
+      if (!e.patches[p]->viable() || e.patch_error[p] > std::max(params_.evaluation.e_max, error_before[p])) bad.push_back(p);
+    if (bad.empty()) return;
+    put_back(bad, points, versions);
+  }
+  surface_.mesh.points = points, surface_.versions = versions;
+  places_.clear();
+  changed();
+}
+
 void LayoutSearch::reject(const std::vector<int>& patches) {
   for (int p : patches) evaluator_.reject(layout().patches[p]);
 }
@@ -205,7 +246,7 @@ void LayoutSearch::smooth() {
   }
   SmoothParams params;
   params.rest = &rest_;
-  for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_)) ++surface_.versions[v];
+  for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_)) surface_.versions[v] = ++last_version_;
   changed();
 }
 

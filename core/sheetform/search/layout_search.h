@@ -39,6 +39,8 @@ class LayoutSearch {
   double objective();
   /// Smooths all paths, and splits what does not fit any more, until nothing changes.
   void settle();
+  /// Smooths the paths as far as every patch stays viable.
+  void smooth_what_allows();
   /// These patches (of layout()) failed by a finer measure: they are not formed again.
   void reject(const std::vector<int>& patches);
   /// Smooths all paths on the surface; patches near them are evaluated anew.
@@ -66,6 +68,7 @@ class LayoutSearch {
   std::optional<PatchLayout> viable_region(const PathNetwork& trial, const std::vector<int>& faces, double& worst, int& sides);
   bool region_fits(const std::vector<int>& faces, double before);
   void store(const LayoutEvaluation& e);
+  void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points, const std::vector<int>& versions);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   bool try_improve(const Path& path, int patch);
   void join_straight(const std::vector<int>& removed);
@@ -88,6 +91,7 @@ class LayoutSearch {
   LayoutEvaluator evaluator_;
   LayoutRules rules_;
   double edge_length_;
+  int last_version_ = 0;
   std::vector<Vector3> rest_;  ///< the mesh before any smoothing
   PatchLayout layout_;
   LayoutEvaluation evaluation_;
