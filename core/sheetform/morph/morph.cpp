@@ -94,8 +94,9 @@ MorphResult morph(const MorphProblem& problem, const MorphParams& params) {
       if (sample.weight <= 0) continue;
       const Vector3 offset = sample.at(x) - sample.target;
       const Vector3 tangential = offset - sample.normal * sample.normal.dot(offset);
-      error[s] = (offset - params.slide * tangential).norm();
-      target[s] = sample.target + params.slide * tangential;
+      const Vector3 forgiven = params.slide * sample.slide * tangential;
+      error[s] = (offset - forgiven).norm();
+      target[s] = sample.target + forgiven;
       worst = std::max(worst, error[s]);
       mean += weight[s] * error[s], total += weight[s];
     }

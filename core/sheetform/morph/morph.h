@@ -16,6 +16,7 @@ struct MorphSample {
   std::array<double, 3> coefficient;
   Vector3 target, normal;      ///< on the surface; unit normal there
   double weight = 0;           ///< area that it stands for; 0 = only measured, not fitted
+  double slide = 1;            ///< share of MorphParams::slide that it is granted; 0 for points of the outline
   bool covers = false;         ///< stands for the surface point: measured from there to the strips, not the other way
   Vector3 at(const std::vector<Vector3>& x) const {
     return coefficient[0] * x[unknown[0]] + coefficient[1] * x[unknown[1]] + coefficient[2] * x[unknown[2]];
@@ -34,7 +35,7 @@ struct MorphParams {
   double smooth = 0.3;    ///< relative to the mean data weight of an unknown
   double bend = 0.0;
   int rounds = 4;         ///< minimax reweightings (Lawson) after the least-squares solve
-  double slide = 0.7;     ///< share of a sample's tangential offset that is forgiven between rounds
+  double slide = 0.8;     ///< share of a sample's tangential offset that is forgiven between rounds
   double stop_below = 0;  ///< no more rounds once the largest error is below
 };
 

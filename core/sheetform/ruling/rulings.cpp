@@ -111,7 +111,7 @@ class StripSearch {
       if (score(x, y).cost >= kForbidden) cost += kForbidden;
     if (height < params_.min_height) {
       const double lack = 1 - height / params_.min_height;  // over 1: inverted
-      cost += height > 0 ? 0.03 * lack : 10 + lack;
+      cost += height > 0 ? 0.05 * lack : 10 + lack;
     }
     return cost;
   }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <tuple>
 
 #include "sheetform/base/error.h"
@@ -92,21 +90,15 @@ class ComponentRun {
   }
 
   void reduce(LayoutSearch& search) {
-    auto say = [&](const char* w) { if (std::getenv("SAY")) fprintf(stderr, "  %s: %zu patches obj %.3f ev %d hits %d\n", w, search.layout().patches.size(), search.objective(), search.evaluator().evaluations(), search.evaluator().hits()); };
-    say("inserted");
     search.remove_paths();
-    say("paths");
     if (params_.evaluation.t_junctions) {
       search.smooth_what_allows();
       search.remove_arches();
       search.smooth_what_allows();
       search.remove_arches();
-      say("arches");
       search.improve(params_.improvements, params_.seed);
-      say("improved");
       search.smooth_what_allows();
       search.remove_arches();
-      say("settled");
     }
   }
 
@@ -117,7 +109,6 @@ class ComponentRun {
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
       const Attempt attempt = build_best(search);
-      if (std::getenv("SAY")) fprintf(stderr, "  final round %d: patches %zu invalid %zu too far %zu distance %.4f\n", round, search.layout().patches.size(), attempt.invalid.size(), attempt.too_far.size(), attempt.distance);
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
         if (!have_best || attempt.distance < best) result_.strips = attempt.strips, result_.distance = best = attempt.distance;
@@ -152,25 +143,15 @@ class ComponentRun {
         finish_layout(surface_, search.network().network(), search.layout(), fine, 10, context_);
     Attempt attempt;
     attempt.invalid = finished.failing;
-    if (std::getenv("SAY")) for (size_t i = 0; i < finished.why.size(); ++i) fprintf(stderr, "   failing %d %s\n", finished.failing[i], to_string(finished.why[i]));
     if (!attempt.invalid.empty()) return attempt;
     attempt.strips = assemble_strips(finished.source);
-    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p) {
-      auto dd = check_patch(attempt.strips, p, 1.0);
-      if (!dd.empty()) { attempt.invalid.push_back(p); if (std::getenv("SAY")) fprintf(stderr, "   invalid %d %s %s\n", p, dd[0].check.c_str(), dd[0].text.c_str()); }
-    }
+    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
+      if (!check_patch(attempt.strips, p, 1.0).empty()) attempt.invalid.push_back(p);
     if (!attempt.invalid.empty()) return attempt;
     const DistanceReport d = measure_distance(input_.reference, tree_, attempt.strips, 4000, context_);
     attempt.distance = d.hausdorff();
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (d.patch_error[p] > params_.evaluation.e_max) {
-        attempt.too_far.push_back(p);
-        if (std::getenv("SAY")) {
-          EvaluationParams fp = fine; LayoutEvaluator fe(surface_, fp, context_);
-          auto coarse = search.evaluator().patch(search.layout(), p); auto f2 = fe.patch(search.layout(), p);
-          fprintf(stderr, "   patch %d measured %.4f fine-global %.4f | coarse alone %.4f (%s) fine alone %.4f (%s) coarse global %.4f faces %zu m %d/%d\n", p, d.patch_error[p], finished.patch_error[p], coarse->error, to_string(coarse->verdict), f2->error, to_string(f2->verdict), search.evaluation().patch_error[p], search.layout().patches[p].faces.size(), coarse->polygon.size(), f2->polygon.size());
-        }
-      }
+      if (d.patch_error[p] > params_.evaluation.e_max) attempt.too_far.push_back(p);
     return attempt;
   }
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kChordSamples = 5;
+constexpr double kOutlineSlide = 0.0;
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -89,6 +90,7 @@ void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
     s.target = t == 0 ? e.polygon.point[a] : t == 1 ? e.polygon.point[b] : raster.lift(triangle, u);
     s.normal = raster.normal(triangle);
     s.weight = weight;
+    s.slide = t == 0 || t == 1 ? kOutlineSlide : 1;
     e.samples.push_back(s);
   };
   for (const auto& chord : e.rulings.chords)
