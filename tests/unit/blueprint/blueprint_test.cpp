@@ -151,19 +151,36 @@ TEST(FoldLines, TubeTurnsByWhatItsSidesTurn) {
   for (double t : turns) EXPECT_NEAR(t, 15, 1e-9);
 }
 
-TEST(FoldLines, ThinningKeepsTheTurnOfEveryRun) {
-  std::vector<double> turns(40, 1.5);
-  for (int i = 20; i < 30; ++i) turns[i] = -2;
-  const auto drawn = thinned_rulings(turns, 10, 1);
-  double up = 0, down = 0;
-  for (const DrawnRuling& r : drawn) (r.angle > 0 ? up : down) += r.angle;
-  EXPECT_NEAR(up, 45, 1e-9);
-  EXPECT_NEAR(down, -20, 1e-9);
-  EXPECT_EQ(drawn.size(), 3u + 2u + 2u);  // 30, -20 and 15 degrees by 10; a half rounds up
-  for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_GT(drawn[i].ruling, drawn[i - 1].ruling);
-  EXPECT_EQ(thinned_rulings(turns, 0, 1).size(), 40u);
+TEST(FoldLines, DrawnRulingsStandForTheBendingUpToEveryPlace) {
+  std::vector<double> turns(60, 1.5);
+  for (int i = 30; i < 45; ++i) turns[i] = -2;
+  for (const double step : {4.0, 8.0, 15.0}) {
+    const auto drawn = thinned_rulings(turns, step, 1);
+    EXPECT_LT(drawn.size(), 60u);
+    std::size_t next = 0;
+    double bent = 0, stood_for = 0;
+    for (int i = 0; i < 60; ++i) {
+      bent += turns[i];
+      for (; next < drawn.size() && drawn[next].ruling <= i; ++next) stood_for += drawn[next].angle;
+      EXPECT_LE(std::abs(bent - stood_for), 0.6 * step + 4) << i;  // 4: what the smoothing moves
+    }
+    for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_GT(drawn[i].ruling, drawn[i - 1].ruling);
+  }
+}
+
+TEST(FoldLines, ToAndFroIsNoFoldAndASharpBendIsOne) {
+  std::vector<double> zigzag;
+  for (int i = 0; i < 40; ++i) zigzag.push_back(i % 2 ? 21 : -20);  // 20 degrees altogether
+  double sum = 0;
+  const auto drawn = thinned_rulings(zigzag, 8, 1);
+  for (const DrawnRuling& r : drawn) sum += r.angle;
+  EXPECT_LE(drawn.size(), 4u);
+  EXPECT_NEAR(sum, 20, 6);
+  EXPECT_EQ(thinned_rulings(zigzag, 0, 1).size(), 40u);
   EXPECT_TRUE(thinned_rulings(std::vector<double>(10, 0.05), 5, 1).empty());
-  EXPECT_EQ(thinned_rulings({90}, 5, 1).size(), 1u);
+  const auto sharp = thinned_rulings({90}, 5, 1);
+  ASSERT_EQ(sharp.size(), 1u);
+  EXPECT_NEAR(sharp[0].angle, 90, 5);
 }
 
 std::map<Operation, int> count_scores(const Blueprint& b) {
