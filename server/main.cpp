@@ -25,9 +25,14 @@ int version_command(const ParsedLine&) {
   return kExitOk;
 }
 
-constexpr Command kCommands[] = {
-    {decompose_spec, decompose_command}, {verify_spec, verify_command},
-                                   {serve_spec, serve_command}, {version_spec, version_command}};
+constexpr Command kCommands[] = {{decompose_spec, decompose_command},
+                                 {verify_spec, verify_command},
+                                 {serve_spec, serve_command},
+                                 {token_spec, token_command},
+                                 {backup_spec, backup_command},
+                                 {restore_spec, restore_command},
+                                 {healthcheck_spec, healthcheck_command},
+                                 {version_spec, version_command}};
 
 std::vector<CommandSpec> specs() {
   std::vector<CommandSpec> list;

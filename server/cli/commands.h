@@ -11,6 +11,18 @@ int decompose_command(const ParsedLine& line);
 CommandSpec serve_spec();
 int serve_command(const ParsedLine& line);
 
+CommandSpec backup_spec();
+int backup_command(const ParsedLine& line);
+
+CommandSpec restore_spec();
+int restore_command(const ParsedLine& line);
+
+CommandSpec token_spec();
+int token_command(const ParsedLine& line);
+
+CommandSpec healthcheck_spec();
+int healthcheck_command(const ParsedLine& line);
+
 CommandSpec verify_spec();
 int verify_command(const ParsedLine& line);
 

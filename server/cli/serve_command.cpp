@@ -4,6 +4,8 @@
 #include <system_error>
 #include <thread>
 
+#include "server/base/file_output.h"
+#include "server/base/identity.h"
 #include "server/base/log.h"
 #include "server/cli/commands.h"
 #include "server/http/api_server.h"
@@ -78,16 +80,36 @@ std::set<std::string> hosts_of(const std::vector<ListenAddress>& addresses, cons
   return hosts;
 }
 
-AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& addresses,
-                    const JobStore& store) {
+/// The one token that came by a file or the environment's word for one (a secret of the container), and, on
+/// wish, one that is made now.
+std::string secret_of(const ParsedLine& line, const std::filesystem::path& data) {
+  const char* named = std::getenv("SHEETFORM_TOKEN_FILE");
+  std::string path = line.get("--token-file", named != nullptr ? named : "");
+  if (path.empty() && line.has("--make-token")) {
+    const std::filesystem::path made = data / "token";
+    if (!std::filesystem::exists(made)) {
+      std::filesystem::create_directories(data);
+      write_synced(made, "sf_made_" + to_hex(random_bytes(32)) + "\n");
+      std::filesystem::permissions(made,
+                                   std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    }
+    log_info("the token is in a file", {{"file", made.string()}});
+    path = made.string();
+  }
+  if (path.empty()) return {};
+  std::string secret = read_input_file(path, 4096);
+  while (!secret.empty() && std::isspace(static_cast<unsigned char>(secret.back())) != 0) secret.pop_back();
+  if (secret.size() < 16)
+    wrong("the token in " + path + " is shorter than 16 characters", "--token-file", "use a long random one");
+  return secret;
+}
+
+AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& addresses, bool any_token) {
   AuthOptions auth;
   const bool local = all_loopback(addresses), open = line.has("--insecure-no-auth");
-  bool any_token = false;
-  for (const Principal& p : store.principals()) any_token = any_token || !p.disabled;
   if (!local && !any_token && !open)
-    throw Error(
-        ErrorCode::kInvalidParameter, "an address that others can reach needs a token", "--listen",
-        "make one with `sheetform token add NAME --data DIR`, or allow everyone with --insecure-no-auth");
+    wrong("an address that others can reach needs a token", "--listen",
+          "make one with `sheetform token add NAME --data DIR`, or allow everyone with --insecure-no-auth");
   auth.needed = !open && (any_token || line.has("--require-token"));
   // Without a name for the outside, any Host is taken there: a token protects, and names cannot be guessed.
   if (local || line.has("--public-url")) auth.hosts = hosts_of(addresses, line.get("--public-url"));
@@ -95,9 +117,11 @@ AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& ad
 }
 
 ApiOptions api_options(const ParsedLine& line, const std::vector<ListenAddress>& addresses,
-                       const JobStore& store) {
+                       const std::filesystem::path& data) {
   ApiOptions o;
-  o.auth = auth_of(line, addresses, store);
+  o.token_file = data / "tokens.json";
+  o.secret = secret_of(line, data);
+  o.auth = auth_of(line, addresses, !o.secret.empty() || !TokenFile(o.token_file).list().empty());
   o.public_url = line.get("--public-url");
   while (!o.public_url.empty() && o.public_url.back() == '/') o.public_url.pop_back();
   o.web_folder = line.get("--web-dir");
@@ -236,10 +260,14 @@ CommandSpec serve_spec() {
        ""},
       {"--min-free", "MIB", "No uploads when the disk has less free space. Default 2048.", ""},
       {"--drain", "SECONDS", "How long running jobs may still take after SIGTERM. Default 25.", ""},
+      {"--token-file", "FILE", "One more token, in a file (also SHEETFORM_TOKEN_FILE); it may do everything.",
+       ""},
+      {"--make-token", "", "Make such a token in DIR/token when there is none.", ""},
       {"--require-token", "", "Ask for a token on loopback addresses too.", ""},
       {"--insecure-no-auth", "", "Let everyone who can reach the address do everything.", ""},
       {"--require-sandbox", "", "Do not start where jobs cannot be closed in.", ""},
       {"--no-sandbox", "", "Do not close jobs in (for finding faults).", ""},
+      {"--worker", "PROGRAM", "Program of the jobs' processes instead of this one (for tests).", ""},
       {"--log", "text|json", "Style of the log on stderr. Default: text on a terminal, json elsewhere.", ""},
       {"--quiet", "", "Do not log requests.", "-q"}};
   spec.notes =
@@ -257,10 +285,12 @@ int serve_command(const ParsedLine& line) {
   options.data = line.get("--data", "sheetform-data");
   options.limits = limits_of(line);
   options.sandbox = !line.has("--no-sandbox");
+  options.worker = line.get("--worker", options.worker);
   const std::chrono::seconds grace(small_number(line, "--drain", 25, 0, 86400));
   const api::Json sandbox = probed_sandbox(line);
+  ApiOptions api = api_options(line, addresses, options.data);
   JobService service(options);
-  ApiOptions api = api_options(line, addresses, service.store());
+
   api.sandbox = sandbox;
   ApiServer server(service, api);
   for (const ListenAddress& address : addresses) {

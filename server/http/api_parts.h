@@ -16,6 +16,7 @@ struct ApiParts {
   JobService& service;
   Metrics& metrics;
   AuthOptions auth;
+  Gatekeeper& gatekeeper;
   std::string public_url;                           ///< begins Location; empty: http:// and Host
   std::function<std::string()> connection_metrics;  ///< lines about the HTTP server
   std::function<bool()> alive;                      ///< the accept loop turns

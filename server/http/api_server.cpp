@@ -57,10 +57,12 @@ api::Problem problem_of(const StoreError& error) {
 ApiServer::ApiServer(JobService& service, ApiOptions options)
     : service_(service),
       options_(std::move(options)),
+      gatekeeper_(service.store(), options_.token_file, options_.secret),
       page_(options_.web_folder),
       parts_{service,
              metrics_,
              options_.auth,
+             gatekeeper_,
              options_.public_url,
              [this] {
                return metric_line("sheetform_http_connections", "gauge", "Connections being answered",
@@ -147,7 +149,7 @@ void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, 
   if (changes_something(head.method) && !origin_allowed(options_.auth, head))
     throw Refusal(ProblemType::kForbidden, "the request comes from a page of another site");
   const std::string token = token_of(head);
-  const std::optional<Principal> known = token.empty() ? std::nullopt : principal_of(service_.store(), token);
+  const std::optional<Principal> known = token.empty() ? std::nullopt : gatekeeper_.find(token);
   if (known)
     principal = *known;
   else if (!open_to_all && (options_.auth.needed || !token.empty()))
@@ -156,7 +158,7 @@ void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, 
                   "send Authorization: Bearer TOKEN");
   else
     principal.scopes = "read submit jobs:all";
-  if (!open_to_all && !principal.may(route.scope) && !principal.may("admin"))
+  if (!open_to_all && !principal.may(route.scope))
     throw Refusal(ProblemType::kForbidden, "this token may not do that", "it needs the scope " + route.scope);
   if (route.scope == "submit" && !rate_.take(principal.id > 0 ? principal.name : request.peer))
     throw Refusal(ProblemType::kTooManyRequests, "too many jobs in a minute", "wait a little");

@@ -10,6 +10,8 @@ namespace sheetform::server {
 struct ApiOptions {
   GuardOptions guard;
   AuthOptions auth;
+  std::filesystem::path token_file;  ///< of the records
+  std::string secret;                ///< one more token; may be empty
   std::string public_url;
   std::filesystem::path web_folder;  ///< empty: the page that is built in
   api::Json sandbox;
@@ -37,6 +39,7 @@ class ApiServer {
   JobService& service_;
   ApiOptions options_;
   Metrics metrics_;
+  Gatekeeper gatekeeper_;
   PageFiles page_;
   ApiParts parts_;
   Router router_;

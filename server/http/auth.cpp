@@ -3,14 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "server/base/digest.h"
-#include "server/base/identity.h"
-
 namespace sheetform::server {
 namespace {
-
-constexpr std::string_view kPrefix = "sf_";
-constexpr std::size_t kIdBytes = 6, kSecretBytes = 32;
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -32,14 +26,6 @@ std::string cookie_value(const std::string& field) {
 
 }  // namespace
 
-std::string make_token(Principal& principal) {
-  principal.token_id = to_hex(random_bytes(kIdBytes));
-  const std::string token =
-      std::string(kPrefix) + principal.token_id + "_" + to_hex(random_bytes(kSecretBytes));
-  principal.token_hash = sha256(token);
-  return token;
-}
-
 std::string token_of(const RequestHead& head) {
   const std::string authorization = head.field("authorization");
   if (lower(std::string_view(authorization).substr(0, 7)) == "bearer ") return authorization.substr(7);
@@ -47,12 +33,13 @@ std::string token_of(const RequestHead& head) {
   return cookie_value(head.field("cookie"));
 }
 
-std::optional<Principal> principal_of(const JobStore& store, const std::string& token) {
-  const std::size_t id_end = token.find('_', kPrefix.size());
-  if (token.rfind(kPrefix, 0) != 0 || id_end == std::string::npos) return std::nullopt;
-  const auto principal = store.find_principal(token.substr(kPrefix.size(), id_end - kPrefix.size()));
-  const std::string known = principal ? principal->token_hash : std::string(32, '\0');
-  return equal_in_constant_time(sha256(token), known) ? principal : std::nullopt;
+std::optional<Principal> Gatekeeper::find(const std::string& token) {
+  const std::optional<TokenRecord> record = tokens_.find(token);
+  if (!record) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  const auto [known, fresh] = ids_.try_emplace(record->name, 0);
+  if (fresh) known->second = store_.principal_id(record->name);
+  return Principal{known->second, record->name, record->scopes};
 }
 
 std::string host_name(const std::string& host_field) {

@@ -1,10 +1,14 @@
 // Who asks: tokens, the page's cookie, hosts and origins that are ours.
 #pragma once
+#include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 
+#include "server/http/principal.h"
 #include "server/http/request_head.h"
+#include "server/http/token_file.h"
 #include "server/store/job_store.h"
 
 namespace sheetform::server {
@@ -17,15 +21,25 @@ struct AuthOptions {
   std::set<std::string> origins;  ///< allowed besides the server's own
 };
 
-/// A new token, to be shown once: sf_<id>_<secret>. Fills id and hash of the principal.
-std::string make_token(Principal& principal);
-
 /// The token that a request carries: Authorization: Bearer, X-Api-Key, or the cookie. Empty when there is
 /// none.
 std::string token_of(const RequestHead& head);
 
-/// The principal of a token; none when it is wrong or disabled. The time does not tell how wrong.
-std::optional<Principal> principal_of(const JobStore& store, const std::string& token);
+/// Knows the tokens, and which of them owns which jobs.
+class Gatekeeper {
+ public:
+  Gatekeeper(JobStore& store, std::filesystem::path tokens, std::string secret)
+      : store_(store), tokens_(std::move(tokens), std::move(secret)) {}
+  bool any_token() const { return tokens_.any(); }
+  /// None when the token is wrong.
+  std::optional<Principal> find(const std::string& token);
+
+ private:
+  JobStore& store_;
+  TokenRegister tokens_;
+  std::mutex mutex_;
+  std::map<std::string, std::int64_t> ids_;  ///< by name
+};
 
 /// Host without port, lower case; brackets of IPv6 kept off.
 std::string host_name(const std::string& host_field);

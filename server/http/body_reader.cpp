@@ -183,6 +183,7 @@ std::string BodyReader::read() {
       throw BodyError(api::ProblemType::kPayloadTooLarge,
                       "the body has more than " + std::to_string(limit_) + " bytes");
   }
+  if (hash_ != nullptr) hash_->add(piece);
   return piece;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/base/clock.h"
+#include "server/base/digest.h"
 #include "server/http/request_head.h"
 
 namespace sheetform::server {
@@ -55,6 +56,8 @@ class BodyReader {
   /// Most bytes that are taken; a body that announces or holds more is BodyError kPayloadTooLarge. Set before
   /// reading.
   void set_limit(std::uint64_t bytes);
+  /// Every byte of the body is added to it, too; before reading.
+  void hash_into(Sha256& hash) { hash_ = &hash; }
   /// Next piece, empty at the end. Throws BodyError.
   std::string read();
   /// The whole body.
@@ -72,6 +75,7 @@ class BodyReader {
   std::string buffered_;
   bool chunked_, continue_pending_, finished_ = false;
   std::uint64_t left_ = 0, limit_ = 0, bytes_ = 0;
+  Sha256* hash_ = nullptr;
   BodyPatience patience_;
   ChunkDecoder chunks_;
   SteadyClock::time_point begun_ = SteadyClock::now();

@@ -31,7 +31,7 @@ void Exchange::allow_parameters(const std::vector<std::string>& names) const {
 }
 
 std::optional<std::int64_t> Exchange::visible() const {
-  if (principal.may("jobs:all") || principal.may("admin")) return std::nullopt;
+  if (principal.may("jobs:all")) return std::nullopt;
   return principal.id;
 }
 

@@ -6,8 +6,8 @@
 
 #include "server/http/answer.h"
 #include "server/http/body_reader.h"
+#include "server/http/principal.h"
 #include "server/http/request_head.h"
-#include "server/store/job_record.h"
 
 namespace sheetform::server {
 
@@ -18,7 +18,7 @@ struct Exchange {
   std::string request_id;
   Query query;
   std::vector<std::string> captures;  ///< what stood for {...} in the route
-  Principal principal;                ///< who asks; id 0 is anonymous
+  Principal principal;                ///< who asks
 
   /// Value of a query parameter, none when it is absent. Given twice: Refusal kInvalidQueryParameter.
   std::optional<std::string> parameter(const std::string& name) const;

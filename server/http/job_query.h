@@ -1,6 +1,7 @@
 // The query of the list of jobs, and its cursor.
 #pragma once
 #include "server/http/exchange.h"
+#include "server/store/job_record.h"
 
 namespace sheetform::server {
 

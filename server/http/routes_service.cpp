@@ -122,7 +122,7 @@ Answer create_session(Exchange& x, ApiParts& parts) {
     throw Refusal(api::ProblemType::kMalformedRequest, "the body is not {\"token\": \"...\"}",
                   "send the token as JSON");
   const std::string token = value["token"];
-  if (!principal_of(parts.service.store(), token))
+  if (!parts.gatekeeper.find(token))
     throw Refusal(api::ProblemType::kUnauthorized, "the token is not known here",
                   "ask whoever runs this server for one");
   constexpr int kWeek = 7 * 24 * 3600;

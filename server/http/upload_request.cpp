@@ -229,13 +229,14 @@ UploadRequest read_upload_request(Exchange& exchange, JobService& service) {
   for (const auto& [name, value] : exchange.query) details.take_text(name, value);
   (void)details.submission();  // wrong parameters are refused before the upload
   const std::string key = idempotency_key(exchange.head);
+  Sha256 whole;
+  exchange.body.hash_into(whole);
   UploadRequest request;
   request.upload = json   ? read_json(exchange, service, details)
                    : form ? read_form(exchange, service, details)
                           : read_raw(exchange, service);
   request.submission = details.submission();
-  const std::string& digest = request.upload->finish();
-  if (!json && !form) check_digest(exchange.head, digest);
+  check_digest(exchange.head, whole.finish());
   request.submission.principal = exchange.principal.id;
   request.submission.idempotency_key = key;
   request.submission.route = exchange.head.path;

@@ -82,14 +82,14 @@ class SpawnPlan {
   void give_null(int as, int flags) {
     ::posix_spawn_file_actions_addopen(&actions_, as, "/dev/null", flags, 0);
   }
-  pid_t start() {
+  pid_t start(const std::string& path) {
     ::posix_spawn_file_actions_addclosefrom_np(&actions_, kRequestDescriptor + 1);
     std::string program = "sheetform", command = "worker", arenas = "MALLOC_ARENA_MAX=2";
     std::array<char*, 3> arguments{program.data(), command.data(), nullptr};
     std::array<char*, 2> environment{arenas.data(), nullptr};
     pid_t pid = -1;
     const int error =
-        ::posix_spawn(&pid, "/proc/self/exe", &actions_, &attributes_, arguments.data(), environment.data());
+        ::posix_spawn(&pid, path.c_str(), &actions_, &attributes_, arguments.data(), environment.data());
     if (error != 0) throw std::system_error(error, std::generic_category(), "start of the child");
     return pid;
   }
@@ -160,7 +160,7 @@ void Watch::start() {
   give_or_null(plan, folder, kFolderDescriptor);
   plan.give(status.write_end.get(), kStatusDescriptor);
   plan.give(request.get(), kRequestDescriptor);
-  pid_ = plan.start();
+  pid_ = plan.start(task_.program);
   pid_file_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
   status_ = std::move(status.read_end);
   log_ = std::move(log.read_end);

@@ -24,8 +24,9 @@ class StopSignal {
 };
 
 struct ChildTask {
-  int input = -1;   ///< descriptor of the mesh, may be -1
-  int folder = -1;  ///< descriptor of the folder to write into, may be -1
+  std::string program = "/proc/self/exe";  ///< called with the one argument `worker`
+  int input = -1;                          ///< descriptor of the mesh, may be -1
+  int folder = -1;                         ///< descriptor of the folder to write into, may be -1
   WorkerRequest request;
   std::chrono::seconds wall{900}, stall{120};
   const StopSignal* stop = nullptr;  ///< asks the child to end; killed half a second later

@@ -36,6 +36,7 @@ Inspection Inspector::inspect(int fd, const std::string& name, const api::Json& 
   Inspection answer;
   std::optional<api::Problem> told;
   ChildTask task;
+  task.program = program_;
   task.input = fd;
   task.request.mode = WorkerMode::kInspect;
   task.request.name = name;

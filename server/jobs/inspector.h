@@ -16,8 +16,8 @@ struct Inspection {
 
 class Inspector {
  public:
-  Inspector(const ServiceLimits& limits, int at_once, bool sandbox)
-      : limits_(limits), free_(at_once), sandbox_(sandbox) {}
+  Inspector(const ServiceLimits& limits, int at_once, bool sandbox, std::string program)
+      : limits_(limits), free_(at_once), sandbox_(sandbox), program_(std::move(program)) {}
   /// fd: the mesh, any offset. Waits while as many as allowed run already.
   Inspection inspect(int fd, const std::string& name, const api::Json& parameters);
 
@@ -27,6 +27,7 @@ class Inspector {
   std::condition_variable ended_;
   int free_;
   bool sandbox_;
+  std::string program_;
 };
 
 }  // namespace sheetform::server

@@ -75,6 +75,7 @@ ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int inpu
                    const StopSignal& stop) {
   const ServiceLimits& l = parts.limits;
   ChildTask task;
+  task.program = parts.program;
   task.input = input;
   task.folder = folder;
   task.request.name = claimed.job.input_name;

@@ -22,6 +22,7 @@ struct RunnerParts {
   std::filesystem::path work;  ///< folder of the attempts' folders
   std::shared_mutex& content;  ///< shared while content is stored that no row names yet
   bool sandbox = true;
+  std::string program;  ///< of the child
 };
 
 /// Why an attempt was stopped from outside.

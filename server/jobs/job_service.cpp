@@ -48,8 +48,8 @@ fs::path fresh_folder(const fs::path& path) {
 
 RunnerParts parts_of(JobStore& jobs, BlobStore& blobs, InputStore& inputs, EventBus& bus,
                      const ServiceOptions& options, std::shared_mutex& content) {
-  return {jobs,    blobs,          inputs, bus, options.limits, fresh_folder(options.data / "work"),
-          content, options.sandbox};
+  return {jobs,    blobs,           inputs,        bus, options.limits, fresh_folder(options.data / "work"),
+          content, options.sandbox, options.worker};
 }
 
 int inspections_at_once() { return std::max(2, static_cast<int>(std::thread::hardware_concurrency())); }
@@ -117,7 +117,7 @@ JobService::JobService(ServiceOptions options)
       jobs_(options_.data / "sheetform.db"),
       blobs_(options_.data / "blobs.db"),
       inputs_(options_.data),
-      inspector_(options_.limits, inspections_at_once(), options_.sandbox),
+      inspector_(options_.limits, inspections_at_once(), options_.sandbox, options_.worker),
       pool_(parts_of(jobs_, blobs_, inputs_, bus_, options_, content_)) {
   const int recovered = jobs_.recover();
   if (recovered > 0) log_info("jobs that were running wait again", {{"jobs", recovered}});
@@ -282,7 +282,7 @@ api::StatusInfo JobService::status_at(const JobRecord& job, const JobEvent& even
 }
 
 JobRecord JobService::dismiss(const JobRecord& job) {
-  const DismissOutcome outcome = jobs_.dismiss(job.id);
+  const DismissOutcome outcome = jobs_.dismiss(job.id, now_us() + options_.limits.keep_dismissed);
   if (outcome == DismissOutcome::kNoSuchJob)
     throw Refusal(ProblemType::kNoSuchJob, "there is no job " + job.id);
   pool_.stop_job(job.id);
@@ -295,7 +295,7 @@ JobRecord JobService::dismiss(const JobRecord& job) {
 }
 
 JobRecord JobService::retry(const JobRecord& job) {
-  if (!jobs_.retry(job.id))
+  if (!jobs_.retry(job.id, now_us() + options_.limits.keep_results))
     throw Refusal(ProblemType::kConflict, std::string("the job is ") + api::to_string(job.state),
                   "only failed and dismissed jobs can be run again");
   bus_.publish(job.id);

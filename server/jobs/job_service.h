@@ -14,6 +14,7 @@ struct ServiceOptions {
   std::filesystem::path data;
   ServiceLimits limits;
   bool sandbox = true;
+  std::string worker = "/proc/self/exe";  ///< program of the jobs' processes
 };
 
 /// A request that cannot be granted; becomes a problem response.

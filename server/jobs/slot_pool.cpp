@@ -105,7 +105,9 @@ void SlotPool::run_one(const ClaimedJob& claimed) {
   }
   {
     const std::lock_guard lock(mutex_);
-    running_.erase(claimed.job.id);
+    // A retry may have put its own entry there meanwhile.
+    const auto mine = running_.find(claimed.job.id);
+    if (mine != running_.end() && mine->second == running) running_.erase(mine);
     ended_.notify_all();
   }
   parts_.bus.forget(claimed.job.id);

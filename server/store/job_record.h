@@ -88,13 +88,4 @@ struct IdempotencyRecord {
   std::string fingerprint, job;
 };
 
-/// Someone who may use the service.
-struct Principal {
-  std::int64_t id = 0;
-  std::string name, token_id, token_hash, scopes;
-  Microseconds created = 0;
-  bool disabled = false;
-  bool may(const std::string& scope) const;
-};
-
 }  // namespace sheetform::server

@@ -50,9 +50,10 @@ class JobStore {
   int recover();
 
   // --- by users
-  DismissOutcome dismiss(const std::string& id);
+  /// Cancels, or removes what has ended. expires: when a cancelled job is removed.
+  DismissOutcome dismiss(const std::string& id, Microseconds expires);
   /// Failed or dismissed becomes accepted again, with all its counters at zero. False in any other state.
-  bool retry(const std::string& id);
+  bool retry(const std::string& id, Microseconds expires);
 
   // --- reading
   std::optional<JobRecord> find(const std::string& id) const;
@@ -82,11 +83,8 @@ class JobStore {
   std::string check_integrity() const;
   void checkpoint();
 
-  // --- who may use the service
-  void add_principal(const Principal& principal);
-  bool disable_principal(const std::string& name);
-  std::optional<Principal> find_principal(const std::string& token_id) const;
-  std::vector<Principal> principals() const;
+  /// Number of the owner of this name; made when it is new.
+  std::int64_t principal_id(const std::string& name);
 
  private:
   struct State;

@@ -7,9 +7,8 @@ namespace {
 
 constexpr const char* kFirstMetadata = R"(
 CREATE TABLE principal(
-  id INTEGER PRIMARY KEY, name TEXT UNIQUE NOT NULL, token_id TEXT UNIQUE, token_hash BLOB, scopes TEXT NOT NULL,
-  created INTEGER NOT NULL, disabled INTEGER NOT NULL DEFAULT 0) STRICT;
-INSERT INTO principal(id, name, scopes, created) VALUES(0, 'anonymous', 'read submit jobs:all', 0);
+  id INTEGER PRIMARY KEY, name TEXT UNIQUE NOT NULL, created INTEGER NOT NULL) STRICT;
+INSERT INTO principal(id, name, created) VALUES(0, 'anonymous', 0);
 CREATE TABLE blob(
   digest BLOB PRIMARY KEY CHECK(length(digest) = 32), bytes INTEGER NOT NULL,
   store TEXT NOT NULL CHECK(store IN ('file', 'db')), created INTEGER NOT NULL) STRICT, WITHOUT ROWID;

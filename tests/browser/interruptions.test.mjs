@@ -21,15 +21,15 @@ after(async () => {
 });
 
 /** Sends a mesh that takes some seconds and waits until its job is under way. */
-async function begin(name) {
+async function begin(name, wave) {
   await window.goto("#");
-  await page.locator("#file").setInputFiles(ball(name));
+  await page.locator("#file").setInputFiles(ball(name, { wave }));
   await page.getByRole("button", { name: "Make the sheets" }).click();
   await page.locator(".progress-panel").waitFor();
 }
 
 it("a reload in mid-job comes back to the job, and to its result", async () => {
-  await begin("reload.obj");
+  await begin("reload.obj", 0.11);
   await page.reload();
   await page.locator(".progress-panel, .figures").first().waitFor();
   await window.shot("interruption-1-reloaded");
@@ -40,7 +40,7 @@ it("a reload in mid-job comes back to the job, and to its result", async () => {
 });
 
 it("cancel stops the job and offers a way on", async () => {
-  await begin("cancel.obj");
+  await begin("cancel.obj", 0.12);
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "Cancelled" }).waitFor();
   await page.getByRole("button", { name: "Change settings" }).click();
@@ -49,7 +49,7 @@ it("cancel stops the job and offers a way on", async () => {
 });
 
 it("a server restart in mid-job is survived without a hand's turn", async () => {
-  await begin("restart.obj");
+  await begin("restart.obj", 0.13);
   await server.end();
   await page.getByText(/No connection to the server/).waitFor();
   await window.shot("interruption-2-server-gone");

@@ -18,6 +18,12 @@ export function millimetres(value) {
   return `${value.toExponential(1)} mm`;
 }
 
+/** Width by depth with one unit: 313 × 141 mm. */
+export function extent(w, d) {
+  const digits = Math.max(w, d) >= 100 ? 0 : Math.max(w, d) >= 10 ? 1 : 2;
+  return `${number(digits).format(w)} × ${number(digits).format(d)} mm`;
+}
+
 /** A length that adds up over a whole job: metres from one metre on. */
 export function metres(value) {
   return Math.abs(value) >= 1000 ? `${number(2).format(value / 1000)} m` : millimetres(value);

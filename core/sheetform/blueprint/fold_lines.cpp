@@ -11,6 +11,11 @@ namespace sheetform {
 namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
+// Neighbouring rulings of a triangulated strip tend to bend to and fro; a sheet bends by what they come to
+// together.
+constexpr int kSmoothingPasses = 4;
+constexpr double kHysteresis =
+    0.1;  // of a step: keeps bends about a level from being drawn as a fold and its reverse
 
 // The corner of a triangle that is not on the edge, as an index into points.
 int apex(const StripMesh::Triangle& t, const std::array<int, 2>& vt) {
@@ -36,20 +41,16 @@ std::vector<int> pieces_of(std::size_t triangles, const std::vector<Crease>& cre
   return piece;
 }
 
-// Evenly spread marks over a run of rulings that all bend the same way.
-void mark_run(const std::vector<double>& turns, int begin, int end, double step, double hidden,
-              std::vector<DrawnRuling>& out) {
-  const double total = std::accumulate(turns.begin() + begin, turns.begin() + end, 0.0);
-  if (std::abs(total) < hidden) return;
-  const int marks = std::clamp(static_cast<int>(std::lround(std::abs(total) / step)), 1, end - begin);
-  double sum = 0;
-  int made = 0;
-  for (int i = begin; i < end && made < marks; ++i) {
-    sum += turns[i];
-    if (std::abs(sum) < (made + 0.5) * std::abs(total) / marks - 1e-12) continue;
-    out.push_back({i, total / marks});
-    while (made < marks && std::abs(sum) >= (made + 0.5) * std::abs(total) / marks - 1e-12) ++made;
+// One pass of the binomial filter 1/4, 1/2, 1/4; what would leave at an end stays there, so the sum is kept.
+std::vector<double> smoothed(const std::vector<double>& x) {
+  std::vector<double> out(x.size(), 0);
+  const std::size_t n = x.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] += x[i] / 2;
+    out[i > 0 ? i - 1 : i] += x[i] / 4;
+    out[i + 1 < n ? i + 1 : i] += x[i] / 4;
   }
+  return out;
 }
 
 }  // namespace
@@ -109,17 +110,22 @@ std::vector<double> ruling_turns(const StripMesh& strips, int patch, const std::
 
 std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, double step, double hidden) {
   std::vector<DrawnRuling> out;
-  const int n = static_cast<int>(turns.size());
-  for (int begin = 0; begin < n;) {
-    int end = begin + 1;
-    while (end < n && (turns[end] > 0) == (turns[begin] > 0)) ++end;
-    if (step > 0) {
-      mark_run(turns, begin, end, step, hidden, out);
-    } else {
-      const double total = std::accumulate(turns.begin() + begin, turns.begin() + end, 0.0);
-      for (int i = begin; i < end && std::abs(total) >= hidden; ++i) out.push_back({i, turns[i]});
-    }
-    begin = end;
+  if (step <= 0) {
+    for (std::size_t i = 0; i < turns.size(); ++i)
+      if (std::abs(turns[i]) >= hidden) out.push_back({static_cast<int>(i), turns[i]});
+    return out;
+  }
+  std::vector<double> even = turns;
+  for (int pass = 0; pass < kSmoothingPasses; ++pass) even = smoothed(even);
+  const double threshold = std::max((0.5 + kHysteresis) * step, hidden);
+  double open = 0;  // bending that no drawn ruling stands for yet
+  for (std::size_t i = 0; i < even.size(); ++i) {
+    open += even[i];
+    if (std::abs(open) < threshold) continue;
+    const double angle =
+        std::copysign(step * std::max(1.0, std::floor(std::abs(open) / step + 0.5 - kHysteresis)), open);
+    out.push_back({static_cast<int>(i), angle});
+    open -= angle;
   }
   return out;
 }

@@ -167,9 +167,8 @@ class PartJoints {
   }
 
   void cut_vee(const Vector2& at, const Vector2& inward, double size) {
-    const Vector2 d = left_of(inward);
-    vees_.push_back({at - kOverlap * inward - 0.5 * size * d, at - kOverlap * inward + 0.5 * size * d,
-                     at + size * inward});
+    const Vector2 d = 0.5 * (size + kOverlap) * left_of(inward);  // `size` wide at the edge itself
+    vees_.push_back({at - kOverlap * inward - d, at - kOverlap * inward + d, at + size * inward});
     if (signed_area(vees_.back()) < 0) std::reverse(vees_.back().begin(), vees_.back().end());
   }
 

@@ -7,12 +7,14 @@
 #include "sheetform/blueprint/fold_lines.h"
 #include "sheetform/blueprint/seams.h"
 #include "sheetform/blueprint/stroke_font.h"
+#include "sheetform/strip/outline.h"
 
 namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kPadding = 0.25;  // of a text's height, kept free around it
+constexpr double kPadding = 0.25;        // of a text's height, kept free around it
+constexpr std::size_t kNeighbours = 40;  // rulings drawn before that an end is kept clear of: a whole fan
 
 Vector2 left_of(const Vector2& d) { return {-d.y(), d.x()}; }
 
@@ -182,28 +184,54 @@ class PartMarks {
     if (mean.norm() > 0) part_.ruling_direction = mean.normalized();
     if (o_.rulings == RulingStyle::kNone) return;
     const double sign = o_.marked_face == Face::kInside ? -1 : 1;
+    std::vector<Fold> folds;
     for (const DrawnRuling& r :
-         thinned_rulings(ruling_turns(b_.strips, part_.patch, creases_), o_.ruling_step, o_.hidden_bend))
-      draw_ruling(b_.flat[creases_[r.ruling].vt[0]], b_.flat[creases_[r.ruling].vt[1]], sign * r.angle);
+         thinned_rulings(ruling_turns(b_.strips, part_.patch, creases_), o_.ruling_step, o_.hidden_bend)) {
+      const Vector2 &a = b_.flat[creases_[r.ruling].vt[0]], &c = b_.flat[creases_[r.ruling].vt[1]];
+      const double length = (c - a).norm(), clear = std::min(o_.ruling_clear, 0.25 * length);
+      folds.push_back({a, (c - a) / length, clear, length - clear, sign * r.angle});
+    }
+    for (std::size_t i = 0; i < folds.size(); ++i) keep_apart(folds, i);
+    for (const Fold& fold : folds) draw_fold(fold);
   }
 
-  void draw_ruling(const Vector2& a, const Vector2& b, double angle) {
-    const Operation operation = angle >= 0 ? Operation::kScoreMountain : Operation::kScoreValley;
-    const double length = (b - a).norm(), clear = std::min(o_.ruling_clear, 0.25 * length);
-    const Vector2 d = (b - a) / length;
+  /// A ruling to be drawn, from `from` to `to` along it.
+  struct Fold {
+    Vector2 start, direction;
+    double from, to, angle;
+    Vector2 at(double s) const { return start + s * direction; }
+  };
+
+  // Where rulings run together their lines would cut the point out: an end goes back until it is clear of
+  // those drawn before, but never past a third of its ruling.
+  void keep_apart(std::vector<Fold>& folds, std::size_t index) const {
+    Fold& fold = folds[index];
+    const double room = fold.to - fold.from, step = std::max(room / 64, 1e-6);
+    const auto near = [&](const Vector2& p) {
+      for (std::size_t k = index > kNeighbours ? index - kNeighbours : 0; k < index; ++k)
+        if (point_segment_distance(p, folds[k].at(folds[k].from), folds[k].at(folds[k].to)) < o_.ruling_clear)
+          return true;
+      return false;
+    };
+    for (double moved = 0; moved < room / 3 && near(fold.at(fold.from)); moved += step) fold.from += step;
+    for (double moved = 0; moved < room / 3 && near(fold.at(fold.to)); moved += step) fold.to -= step;
+  }
+
+  void draw_fold(const Fold& fold) {
+    const Operation operation = fold.angle >= 0 ? Operation::kScoreMountain : Operation::kScoreValley;
     const auto stretch = [&](double from, double to) {
-      draw(operation, {a + from * d, a + to * d}, 0, angle);
+      draw(operation, {fold.at(from), fold.at(to)}, 0, fold.angle);
     };
     switch (o_.rulings) {
       case RulingStyle::kScore:
-        stretch(clear, length - clear);
+        stretch(fold.from, fold.to);
         break;
       case RulingStyle::kPerforation:
-        perforate(clear, length - clear, stretch);
+        perforate(fold.from, fold.to, stretch);
         break;
       case RulingStyle::kTicks: {
-        const double tick = std::min(o_.tick_length, 0.4 * (length - 2 * clear));
-        stretch(clear, clear + tick), stretch(length - clear - tick, length - clear);
+        const double tick = std::min(o_.tick_length, 0.4 * (fold.to - fold.from));
+        stretch(fold.from, fold.from + tick), stretch(fold.to - tick, fold.to);
         break;
       }
       case RulingStyle::kNone:

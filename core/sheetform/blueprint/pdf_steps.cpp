@@ -43,18 +43,25 @@ class Picture {
     const double area =
         (b - a).head<2>().x() * (c - a).head<2>().y() - (b - a).head<2>().y() * (c - a).head<2>().x();
     if (area == 0) return;
-    const int x0 = std::max(0, static_cast<int>(std::floor(std::min({a.x(), b.x(), c.x()}))));
-    const int x1 = std::min(width_ - 1, static_cast<int>(std::ceil(std::max({a.x(), b.x(), c.x()}))));
     const int y0 = std::max(0, static_cast<int>(std::floor(std::min({a.y(), b.y(), c.y()}))));
     const int y1 = std::min(height_ - 1, static_cast<int>(std::ceil(std::max({a.y(), b.y(), c.y()}))));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
-        const double px = x + 0.5, py = y + 0.5;
+    // Row by row between the sides: long thin triangles cost what they cover, not what their boxes do.
+    for (int y = y0; y <= y1; ++y) {
+      const double py = y + 0.5;
+      double low = 1e9, high = -1e9;
+      for (const auto& [p, q] : {std::pair(&a, &b), std::pair(&b, &c), std::pair(&c, &a)}) {
+        if ((p->y() > py) == (q->y() > py)) continue;
+        const double x = p->x() + (py - p->y()) / (q->y() - p->y()) * (q->x() - p->x());
+        low = std::min(low, x), high = std::max(high, x);
+      }
+      const int x1 = std::min(width_ - 1, static_cast<int>(std::floor(high - 0.5)));
+      for (int x = std::max(0, static_cast<int>(std::ceil(low - 0.5))); x <= x1; ++x) {
+        const double px = x + 0.5;
         const double u = ((b.x() - px) * (c.y() - py) - (b.y() - py) * (c.x() - px)) / area;
         const double v = ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / area;
-        const double w = 1 - u - v;
-        if (u >= -1e-9 && v >= -1e-9 && w >= -1e-9) put(x, y, u * a.z() + v * b.z() + w * c.z(), colour);
+        put(x, y, u * a.z() + v * b.z() + (1 - u - v) * c.z(), colour);
       }
+    }
   }
 
   void line(const Vector3& a, const Vector3& b, double bias) {

@@ -7,7 +7,7 @@ namespace sheetform {
 namespace {
 
 constexpr int kBins = 16;         // of the surface-area heuristic
-constexpr int kLeaf = 2;          // triangles in a leaf; four leaves share one node and one box test
+constexpr int kLeaf = 3;          // triangles in a leaf; four leaves share one node and one box test
 constexpr int kMaxSahDepth = 40;  // below it halves are equal, which bounds the depth and the query's stack
 constexpr int kStack = 256;       // > 3 * (kMaxSahDepth + log2(2^31))
 constexpr float kSlack =

@@ -18,13 +18,20 @@ bool same_direction(const TriangleSoup& soup, int a, int b) { return tail(soup, 
 void join(Gluing& gluing, int a, int b) { gluing.partner[a] = b, gluing.partner[b] = a; }
 
 std::vector<int> sides_by_edge(const TriangleSoup& soup) {
-  std::vector<int> sides(soup.faces.size() * 3);
-  std::iota(sides.begin(), sides.end(), 0);
-  auto key = [&](int s) {
-    const auto [lo, hi] = std::minmax({tail(soup, s), head(soup, s)});
-    return std::tuple(lo, hi, s);
+  struct Key {
+    int lo, hi, side;
+    bool operator<(const Key& o) const {
+      return lo != o.lo ? lo < o.lo : hi != o.hi ? hi < o.hi : side < o.side;
+    }
   };
-  std::sort(sides.begin(), sides.end(), [&](int a, int b) { return key(a) < key(b); });
+  std::vector<Key> keys(soup.faces.size() * 3);
+  for (int s = 0; s < static_cast<int>(keys.size()); ++s) {
+    const auto [lo, hi] = std::minmax({tail(soup, s), head(soup, s)});
+    keys[s] = {lo, hi, s};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<int> sides;
+  for (const Key& k : keys) sides.push_back(k.side);
   return sides;
 }
 
@@ -170,9 +177,8 @@ void orient(const TriangleSoup& soup, Gluing& gluing) {
 
 std::vector<int> fan_vertices(const TriangleSoup& soup, const Gluing& gluing, std::vector<int>& origin) {
   const int corners = static_cast<int>(soup.faces.size()) * 3;
-  std::vector<int> parent(corners), order(corners), vertex(corners, -1);
+  std::vector<int> parent(corners), vertex(corners, -1);
   std::iota(parent.begin(), parent.end(), 0);
-  std::iota(order.begin(), order.end(), 0);
   for (int s = 0; s < corners; ++s) {
     const int other = gluing.partner[s];
     if (other < s) continue;
@@ -180,15 +186,13 @@ std::vector<int> fan_vertices(const TriangleSoup& soup, const Gluing& gluing, st
     unite(parent, s, same ? other : next_corner(other));
     unite(parent, next_corner(s), same ? next_corner(other) : other);
   }
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::pair(tail(soup, a), a) < std::pair(tail(soup, b), b); });
+  std::vector<std::pair<int, int>> fans;  // old vertex, root: the lowest corner of the fan
+  for (int c = 0; c < corners; ++c)
+    if (find_root(parent, c) == c) fans.emplace_back(tail(soup, c), c);
+  std::sort(fans.begin(), fans.end());
   origin.clear();
-  for (int c : order) {
-    const int root =
-        find_root(parent, c);  // the lowest corner of the fan: comes first among its vertex' corners
-    if (root == c) vertex[c] = static_cast<int>(origin.size()), origin.push_back(tail(soup, c));
-    vertex[c] = vertex[root];
-  }
+  for (const auto& [old, root] : fans) vertex[root] = static_cast<int>(origin.size()), origin.push_back(old);
+  for (int c = 0; c < corners; ++c) vertex[c] = vertex[find_root(parent, c)];
   return vertex;
 }
 

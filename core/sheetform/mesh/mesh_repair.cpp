@@ -318,10 +318,26 @@ void fill_audit(const TriangleSoup& soup, Work& work, RepairResult& result) {
   throw Error(ErrorCode::kUnsupportedMesh, what, {}, "give a surface of triangles or polygons with an area");
 }
 
+// Readers give sound soups; a caller's own may not be.
+void check_sound(const TriangleSoup& soup) {
+  const int points = static_cast<int>(soup.points.size());
+  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+    for (int v : soup.faces[f]) {
+      if (v < 0 || v >= points)
+        throw Error(ErrorCode::kUnsupportedMesh,
+                    "a face uses vertex " + std::to_string(v) + ", which does not exist",
+                    "face " + std::to_string(f));
+      if (!soup.points[v].allFinite())
+        throw Error(ErrorCode::kUnsupportedMesh, "a vertex has no finite position",
+                    "vertex " + std::to_string(v));
+    }
+}
+
 }  // namespace
 
 RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
   if (soup.faces.empty()) nothing_left("the mesh has no faces");
+  check_sound(soup);
   Work work = start(soup);
   drop_unused(work);
   merge(work, exact_classes(work.soup.points), "vertices at the place of another one were merged");

@@ -51,7 +51,8 @@ Remesher::Remesher(const SurfaceMesh& input, const FeatureLines& lines, double l
 }
 
 void Remesher::load(const SurfaceMesh& input) {
-  omerr().disable();
+  [[maybe_unused]] static const bool quiet =
+      (omerr().disable(), true);  // once: the stream is shared by all threads
   mesh_.reserve(input.points.size(), input.edges.size(), input.faces.size());
   for (const Vector3& p : input.points) add_vertex(p, kFree);
   for (const auto& f : input.faces)

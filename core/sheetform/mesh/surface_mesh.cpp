@@ -42,7 +42,8 @@ void build_edges(SurfaceMesh& mesh) {
     const std::string where = "edge " + std::to_string(sides[i].v0) + "-" + std::to_string(sides[i].v1);
     if (sides[i].v0 == sides[i].v1) fail("a face uses a vertex twice", where);
     if (j - i > 2) fail("an edge has more than two faces", where);
-    if (j - i == 2 && sides[i].forward == sides[i + 1].forward) fail("two neighbours are oriented oppositely", where);
+    if (j - i == 2 && sides[i].forward == sides[i + 1].forward)
+      fail("two neighbours are oriented oppositely", where);
     const int e = mesh.edge_count();
     mesh.edges.push_back({sides[i].v0, sides[i].v1, sides[i].face, j - i == 2 ? sides[i + 1].face : -1});
     for (std::size_t s = i; s < j; ++s) mesh.face_edges[sides[s].face][sides[s].corner] = e;

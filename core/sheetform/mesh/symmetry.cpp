@@ -152,25 +152,26 @@ double match(const ClosestPointTree& tree, const SurfaceMesh& mesh, const std::v
 
 // A Gauss-Newton step that reduces the distances along the normals: mirrored points may slide along the
 // surface.
-MirrorPlane sliding_step(const std::vector<Pair>& pairs, const MirrorPlane& plane, const Vector3& centre) {
+MirrorPlane sliding_step(const std::vector<Pair>& pairs, const MirrorPlane& plane, const Vector3& centre,
+                         double diagonal) {
   const Vector3 t1 = plane.normal.unitOrthogonal(), t2 = plane.normal.cross(t1);
-  const double offset = plane.offset - plane.normal.dot(centre);
+  const double offset = (plane.offset - plane.normal.dot(centre)) / diagonal;  // lengths in diagonals
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   Vector3 right = Vector3::Zero();
   for (const Pair& p : pairs) {
-    const Vector3 from = p.from - centre;
+    const Vector3 from = (p.from - centre) / diagonal;
     const double height = plane.normal.dot(from) - offset, across = p.normal.dot(plane.normal);
     const Vector3 row = -2 * Vector3(t1.dot(from) * across + height * p.normal.dot(t1),
                                      t2.dot(from) * across + height * p.normal.dot(t2), -across);
     matrix += row * row.transpose();
-    right -= row * p.normal.dot(plane.mirrored(p.from) - p.to);
+    right -= row * p.normal.dot(plane.mirrored(p.from) - p.to) / diagonal;
   }
   matrix.diagonal() *= 1 + 1e-9;  // round shapes leave directions free
   matrix.diagonal().array() += 1e-12 * matrix.trace();
   const Vector3 step = matrix.ldlt().solve(right);
   if (!step.allFinite() || step.head<2>().norm() > 0.3) return plane;
   const Vector3 normal = (plane.normal + step[0] * t1 + step[1] * t2).normalized();
-  return {normal, offset + step[2] + normal.dot(centre)};
+  return {normal, (offset + step[2]) * diagonal + normal.dot(centre)};
 }
 
 // A few steps from far away; false when they lead nowhere.
@@ -188,7 +189,7 @@ bool approach(const ClosestPointTree& tree, const SurfaceMesh& mesh,
 
 // Steps that converge fast from nearby; keeps the best plane met.
 void polish(const ClosestPointTree& tree, const SurfaceMesh& mesh, const std::vector<SurfaceSample>& samples,
-            const Vector3& centre, MirrorPlane& plane) {
+            const Vector3& centre, double diagonal, MirrorPlane& plane) {
   std::vector<Pair> pairs;
   MirrorPlane next = plane;
   double best = std::numeric_limits<double>::infinity();
@@ -196,7 +197,7 @@ void polish(const ClosestPointTree& tree, const SurfaceMesh& mesh, const std::ve
     const double mean = match(tree, mesh, samples, next, pairs);
     if (!(mean < best * (1 - 1e-4))) break;
     best = mean, plane = next;
-    next = sliding_step(pairs, plane, centre);
+    next = sliding_step(pairs, plane, centre, diagonal);
   }
 }
 
@@ -242,7 +243,7 @@ std::vector<SymmetryPlane> detect_symmetry(const SurfaceMesh& mesh, const Closes
   for (MirrorPlane& plane : candidates) {
     context.checkpoint();
     if (!approach(tree, mesh, scouts, diagonal, plane) || known(plane)) continue;
-    polish(tree, mesh, pairs, centre, plane);
+    polish(tree, mesh, pairs, centre, diagonal, plane);
     if (known(plane)) continue;
     polished.push_back(plane);
     const SymmetryPlane result = measured(tree, judges, diagonal, plane);

@@ -10,8 +10,9 @@ namespace sheetform {
 /// order of first appearance. O(n log n).
 std::vector<int> exact_classes(const std::vector<Vector3>& points);
 
-/// The same for points nearer than `distance` to each other, made transitive: chains of near points are one
-/// class. O(n log n) unless very many points are that near.
+/// The same for near points, made transitive: all nearer than `distance` to each other are one class, none is
+/// joined to one farther than 8 times that. `distance` must not be below 1e-15 of the extent. O(n log n),
+/// whatever the points.
 std::vector<int> near_classes(const std::vector<Vector3>& points, double distance);
 
 /// Keeps the first point of each class and renumbers the faces. Returns the number of points left.

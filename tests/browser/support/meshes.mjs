@@ -4,7 +4,7 @@ const file = (name, text) => ({ name, mimeType: "application/octet-stream", buff
 
 /** A tube open at both ends as binary STL: radius and height in the file's unit. */
 export function tubeStl(name = "tube.stl", { radius = 2, height = 5, around = 48, up = 24 } = {}) {
-  const at = (i, j) => [radius * Math.cos((2 * Math.PI * i) / around), radius * Math.sin((2 * Math.PI * i) / around), (height * j) / up];
+  const at = (i, j) => [radius * Math.cos((2 * Math.PI * (i % around)) / around), radius * Math.sin((2 * Math.PI * (i % around)) / around), (height * j) / up];
   const faces = [];
   for (let i = 0; i < around; i++) {
     for (let j = 0; j < up; j++) {
@@ -23,13 +23,13 @@ export const letter = () => file("letter.obj", "Dear reader,\nthis is not a mesh
 /** Readable, but without any area: nothing can be made of it. */
 export const flatLine = () => file("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\nf 2 3 4\n");
 
-/** A dense wavy ball: work for some seconds. */
-export function ball(name = "ball.obj", { around = 200, up = 100 } = {}) {
+/** A dense wavy ball: work for some seconds. Another `wave` is another mesh (the server knows results it has made). */
+export function ball(name = "ball.obj", { around = 200, up = 100, wave = 0.12 } = {}) {
   const lines = [];
   for (let j = 1; j < up; j++) {
     for (let i = 0; i < around; i++) {
       const [a, b] = [(2 * Math.PI * i) / around, (Math.PI * j) / up];
-      const r = 80 * (1 + 0.12 * Math.sin(3 * a) * Math.sin(b) ** 3 + 0.1 * Math.cos(4 * b));
+      const r = 80 * (1 + wave * Math.sin(3 * a) * Math.sin(b) ** 3 + 0.1 * Math.cos(4 * b));
       lines.push(`v ${r * Math.sin(b) * Math.cos(a)} ${r * Math.sin(b) * Math.sin(a)} ${r * Math.cos(b)}`);
     }
   }

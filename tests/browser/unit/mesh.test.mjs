@@ -73,6 +73,13 @@ describe("what is no mesh", () => {
   }
 });
 
+it("notices faces that look inwards", () => {
+  const flipped = FACES.map(([a, b, c]) => [a, c, b]);
+  const points = Float64Array.from(CORNERS.flat());
+  assert.equal(inspect(points, Uint32Array.from(FACES.flat())).insideOut, false);
+  assert.equal(inspect(points, Uint32Array.from(flipped.flat())).insideOut, true);
+});
+
 it("counts open edges, crowded edges and pieces", () => {
   const points = Float64Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 9, 9, 9, 10, 9, 9, 9, 10, 9]);
   const seen = inspect(points, Uint32Array.from([0, 1, 2, 1, 0, 3, 0, 1, 4, 5, 6, 7]));

@@ -231,6 +231,14 @@ TEST(MeshRepair, NothingLeftIsAnError) {
   }
 }
 
+TEST(MeshRepair, UnsoundSoupsAreRefused) {
+  const std::vector<Vector3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {std::nan(""), 0, 0}};
+  EXPECT_THROW(repair({p, {{0, 1, 4}}}), Error);
+  EXPECT_THROW(repair({p, {{0, 1, -1}}}), Error);
+  EXPECT_THROW(repair({p, {{0, 1, 3}}}), Error);
+  EXPECT_EQ(repair({p, {{0, 1, 2}}}).mesh.face_count(), 1) << "an unused vertex may be anywhere";
+}
+
 // Random faces on few points break everything at once. build_surface_mesh, called by repair, is the oracle:
 // it throws when the result is no oriented manifold. No area may appear from nowhere, and every face knows
 // where it comes from.

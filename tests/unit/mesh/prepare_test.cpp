@@ -74,6 +74,17 @@ TEST(Prepare, SmoothShapesFinerAndCoarser) {
   }
 }
 
+TEST(Prepare, SizeDoesNotMatter) {
+  const int faces = prepare(build(shapes::torus(60, 30)), {}, 0.1, {}).mesh.face_count();
+  for (double scale : {1e-6, 1e6}) {
+    TriangleSoup s = shapes::torus(60, 30);
+    for (Vector3& p : s.points) p *= scale;
+    const PreparedMesh out = prepare(build(std::move(s)), {}, 0.1 * scale, {});
+    EXPECT_TRUE(out.remeshed);
+    EXPECT_NEAR(out.mesh.face_count(), faces, 0.02 * faces);
+  }
+}
+
 TEST(Prepare, BoxesKeepTheirEdgesAndCornersExactly) {
   for (int n : {1, 5, 40}) {
     const SurfaceMesh box = build(shapes::box(n, {1, 2, 3}));

@@ -8,7 +8,9 @@
 namespace sheetform {
 namespace {
 
-SurfaceMesh build(TriangleSoup soup) { return build_surface_mesh(std::move(soup.points), std::move(soup.faces)); }
+SurfaceMesh build(TriangleSoup soup) {
+  return build_surface_mesh(std::move(soup.points), std::move(soup.faces));
+}
 
 int euler(const SurfaceMesh& m) { return m.vertex_count() - m.edge_count() + m.face_count(); }
 
@@ -38,7 +40,8 @@ TEST(SurfaceMesh, RingsGoAroundCounterClockwise) {
 }
 
 TEST(SurfaceMesh, ClosedShapesPointOutward) {
-  for (const TriangleSoup& s : {shapes::sphere(6), shapes::box(3, {1, 2, 3}), shapes::closed_cylinder(12, 4), shapes::torus(20, 10)}) {
+  for (const TriangleSoup& s : {shapes::sphere(6), shapes::box(3, {1, 2, 3}), shapes::closed_cylinder(12, 4),
+                                shapes::torus(20, 10)}) {
     double volume = 0;
     for (const auto& t : s.faces) volume += s.points[t[0]].dot(s.points[t[1]].cross(s.points[t[2]])) / 6;
     EXPECT_GT(volume, 0);

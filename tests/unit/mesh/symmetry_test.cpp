@@ -38,6 +38,16 @@ TEST(Symmetry, ABoxHasItsThreePlanesWhereverItLies) {
   }
 }
 
+TEST(Symmetry, SizeDoesNotMatter) {
+  for (double scale : {1e-6, 1e6}) {
+    TriangleSoup s = shapes::box(6, {2, 3, 5});
+    for (Vector3& p : s.points) p = scale * (kTurn * p + Vector3(1, -2, 3));
+    const std::vector<SymmetryPlane> planes = detect(build(std::move(s)));
+    EXPECT_EQ(planes.size(), 3u);
+    for (const SymmetryPlane& p : planes) EXPECT_LT(p.mean_distance, 1e-6);
+  }
+}
+
 TEST(Symmetry, ASaddleMirrorsInItsDiagonalsOnly) {
   // z = k x y over a square: the planes x = y and x = -y; x = 0 turns z over.
   const std::vector<SymmetryPlane> planes = detect(build(shapes::saddle(24, 0.8)));

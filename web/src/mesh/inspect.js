@@ -20,7 +20,7 @@ export function inspect(points, faces) {
   return {
     positions, indices, center, box,
     vertices: count, faces: indices.length / 3,
-    pieces: pieces(indices, count),
+    pieces: pieces(indices, count), insideOut: looksInwards(positions, indices, edges.border.length === 0),
     borderEdges: edges.border.length / 2, crowdedEdges: edges.crowded.length / 2,
     borders: segments(edges.border, positions), crowded: segments(edges.crowded, positions),
   };
@@ -87,6 +87,19 @@ function edgeCounts(indices, count) {
     k = end;
   }
   return { border, crowded };
+}
+
+/** Whether the faces look inwards: exact for a closed surface (its volume is negative), a cautious guess for an open one. */
+function looksInwards(positions, indices, closed) {
+  let [sum, total] = [0, 0];
+  const p = positions;
+  for (let k = 0; k < indices.length; k += 3) {
+    const [a, b, c] = [3 * indices[k], 3 * indices[k + 1], 3 * indices[k + 2]];
+    const volume = p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) + p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) + p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
+    sum += volume;
+    total += Math.abs(volume);
+  }
+  return closed ? sum < 0 : sum < -0.5 * total;
 }
 
 function segments(pairs, positions) {

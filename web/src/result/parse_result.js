@@ -1,5 +1,7 @@
 // ruled.obj and layout.json as one model: parts with their triangles, outline, rulings, seams, in 3D and flat.
 
+import { bend } from "./fold.js";
+
 /**
  * @typedef {object} Part
  * @property {number} id        as in layout.json
@@ -8,7 +10,7 @@
  * @property {number} end       one past the last vertex
  * @property {Uint32Array} triangles  three local vertices each (global numbering of the model)
  * @property {Uint32Array} outline    the closed outline, counter-clockwise, first not repeated
- * @property {Uint32Array} rulings    pairs of vertices
+ * @property {Uint32Array} rulings    pairs of vertices: the bend lines to draw, of rulingCount in all
  * @property {number[]} seams   ids of the arches around it, each once
  * @property {number} area      mm²
  * @property {number[]} box     minU, minV, maxU, maxV in mm
@@ -126,7 +128,8 @@ function makePart(patch, corners, { points, uvs, center, arrays, archOfEdge }) {
     return archOfEdge.get(edgeKey(arrays.source[v], arrays.source[w])) ?? -1;
   });
   part.seams = [...new Set(part.outlineSeams)].filter((id) => id >= 0);
-  part.rulings = rulingsOf(patch.rulings ?? [], edges, arrays.source);
+  part.rulingCount = (patch.rulings ?? []).length;
+  part.rulings = thinned(rulingsOf(patch.rulings ?? [], edges, arrays.source), arrays.position);
   part.inner = [...edges.values()].filter((edge) => edge.length === 2);
   measureFlat(part, arrays.flat);
   return part;
@@ -158,18 +161,32 @@ function outlineOf(edges) {
   return Uint32Array.from(loop);
 }
 
-/** Rulings name vertices of ruled.obj; a part glued to itself may hold such a vertex twice, so look for the edge. */
+/** Degrees of bend between two lines that are drawn: more lines would tell a person nothing. */
+export const BEND_STEP = 4;
+
+/** Of rulings in the order of the sweep, those to draw, as pairs of vertices: one for every BEND_STEP degrees. */
+function thinned(rulings, position) {
+  const out = [];
+  let turned = (BEND_STEP * Math.PI) / 360;  // the first one after half a step
+  for (const [first, second] of rulings) {
+    turned += Math.abs(bend(position, first[0], first[1], first[2], second[2]));
+    if (turned < (BEND_STEP * Math.PI) / 180) continue;
+    out.push(first[0], first[1]);
+    turned = 0;
+  }
+  return Uint32Array.from(out);
+}
+
+/**
+ * The two sides of each ruling. Rulings name vertices of ruled.obj; a part glued to itself may hold such a vertex twice,
+ * so look for the edge.
+ */
 function rulingsOf(rulings, edges, source) {
   const bySource = new Map();
   for (const [first, second] of edges.values()) {
-    if (second) bySource.set(edgeKey(source[first[0]], source[first[1]]), first);
+    if (second) bySource.set(edgeKey(source[first[0]], source[first[1]]), [first, second]);
   }
-  const out = [];
-  for (const [i, j] of rulings) {
-    const side = bySource.get(edgeKey(i, j));
-    if (side) out.push(side[0], side[1]);
-  }
-  return Uint32Array.from(out);
+  return rulings.map(([i, j]) => bySource.get(edgeKey(i, j))).filter(Boolean);
 }
 
 function measureFlat(part, flat) {

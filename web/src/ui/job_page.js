@@ -91,8 +91,10 @@ class JobPage {
   }
 
   async showInput(job) {
+    if (!this.stage.input) this.stage.clear("Fetching the mesh …");
     const mesh = await this.mesh();
-    if (this.gone || !mesh || this.shown === "successful") return;
+    if (this.gone || this.shown === "successful") return;
+    if (!mesh) return this.stage.clear("The mesh cannot be shown.");
     this.stage.showInput(mesh, { up: this.up(mesh), scale: job.parameters?.scale ?? 1, places: placesOf(job.exception, mesh) });
   }
 

@@ -1,6 +1,7 @@
 // The list of parts: choose one here, and it lights up in both views; its seams and what they join.
 import { h, replace } from "../dom.js";
-import { area, count, millimetres } from "../format.js";
+import { area, count, extent, millimetres } from "../format.js";
+import { BEND_STEP } from "../result/parse_result.js";
 
 export function partsList(model, stage, material, stops) {
   const rows = model.parts.map((part, k) => row(model, stage, part, k, material));
@@ -30,7 +31,7 @@ function row(model, stage, part, k, material) {
     onclick: () => stage.choose({ part: k, seam: null }),
     onpointerenter: () => stage.hover({ part: k, seam: null }), onpointerleave: () => stage.hover({ part: null, seam: null }) },
   h("span", { class: `swatch color-${model.colors[k]}`, "aria-hidden": "true" }), h("strong", {}, part.label),
-  h("span", { class: "hint" }, `${millimetres(w)} × ${millimetres(d)}`), h("span", { class: "hint right" }, area(part.area)),
+  h("span", { class: "hint" }, extent(w, d)), h("span", { class: "hint right" }, area(part.area)),
   large && h("span", { class: "tag warn", title: `Larger than a sheet of ${material.sheetName} (${material.title})` }, `over ${material.sheetName}`));
 }
 
@@ -57,7 +58,7 @@ function partDetail(model, stage, k) {
         stage.setSelection({});
       } }, alone ? "Show all" : "Show alone")),
     part.mirrorOf !== null && h("p", { class: "hint" }, `Mirror image of ${labelOf(model, part.mirrorOf)}.`),
-    h("p", { class: "hint" }, `${count(part.rulings.length / 2, "bend line")}, ${count(part.seams.length, "edge")}:`),
+    h("p", { class: "hint" }, `${count(part.rulings.length / 2, "bend line")} (one for every ${BEND_STEP}° of bend), ${count(part.seams.length, "edge")}:`),
     h("ul", { class: "seam-list" }, part.seams.map((id) => {
       const seam = model.seams.find((item) => item.id === id);
       const other = seam.parts[0] === part.id ? seam.parts[1] : seam.parts[0];

@@ -87,6 +87,7 @@ const warning = (text, action = null) => h("div", { class: "warning" }, icon("wa
 function meshWarnings(mesh) {
   return [
     mesh.crowdedEdges > 0 && `${count(mesh.crowdedEdges, "edge")} of the mesh ${mesh.crowdedEdges === 1 ? "has" : "have"} more than two faces (red in the view). They will be cut open.`,
+    mesh.insideOut && "The faces of the mesh look inwards. The layout shows the side they look to, so the marks will be inside; turn the faces around in your modelling program if you want them outside.",
     mesh.pieces > 40 && `The mesh consists of ${mesh.pieces} separate pieces; each is cut on its own.`,
   ].filter(Boolean);
 }

@@ -7,7 +7,7 @@ import { recall, remember } from "../prefs.js";
 import { curve, missing, relatives } from "../result/trade_off.js";
 import { problemBox } from "./problem.js";
 
-const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 190, 34, 30, 12];
+const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 196, 34, 30, 24];
 
 export function tradeOff(job, scale, stops) {
   const chart = h("div", {});
@@ -65,7 +65,7 @@ function draw(points, job, scale) {
     ticks(most).map((n) => [s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }), s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n)]),
     s("text", { x: LEFT, y: HEIGHT - 10 }, "0"),
     s("text", { x: WIDTH - 12, y: HEIGHT - 10, "text-anchor": "end" }, `${diagonal ? millimetres(widest * diagonal) : percent(widest)} deviation`),
-    s("text", { x: LEFT + 6, y: TOP + 4 }, "parts"),
+    s("text", { x: 6, y: 14 }, "parts"),
     s("path", { class: "steps", d: line }),
     points.map((p) => point(p, job, x(p.error), y(p.parts), diagonal)));
 }

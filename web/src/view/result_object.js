@@ -42,7 +42,8 @@ export class ResultObject {
     this.geometry.setIndex(new BufferAttribute(index, 1));
     const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.front = new Mesh(this.geometry, new MeshLambertMaterial({ side: FrontSide, vertexColors: true, ...offset }));
-    this.back = new Mesh(this.geometry, new MeshLambertMaterial({ side: BackSide, ...offset }));
+    // The inside is the same sheet, paler: one still sees which part it is.
+    this.back = new Mesh(this.geometry, new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0x9a9a9a, ...offset }));
     this.group.add(this.front, this.back);
   }
 
@@ -58,7 +59,7 @@ export class ResultObject {
     this.seams = fatLines(2.2);
     this.chosen = fatLines(5);
     this.chosen.renderOrder = 2;
-    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.3 }));
+    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.45 }));
     this.group.add(this.seams, this.rulings, this.chosen);
   }
 
@@ -242,7 +243,7 @@ export class ResultObject {
       }
     });
     this.geometry.attributes.color.needsUpdate = true;
-    this.back.material.color.set(themeColor("--sheet-back"));
+    this.back.material.emissive.set(themeColor("--sheet-back")).multiplyScalar(0.42);
     this.seams.material.color.set(themeColor("--seam"));
     this.rulings.material.color.set(themeColor("--seam"));
     this.chosen.material.color.set(themeColor("--accent"));

@@ -191,14 +191,15 @@ export class Viewport {
     return [x, y].map((axis) => axis.applyQuaternion(this.camera.quaternion).applyQuaternion(inverse).toArray());
   }
 
-  /** A small square picture of what is shown, as a data URL. */
-  picture(size = 192) {
+  /** A small picture of all that is shown, 4 by 3, as a data URL. */
+  picture(width = 256) {
     this.renderer.render(this.scene, this.camera);
-    const { width, height } = this.canvas;
-    const side = Math.min(width, height);
     const small = document.createElement("canvas");
-    small.width = small.height = size;
-    small.getContext("2d").drawImage(this.canvas, (width - side) / 2, (height - side) / 2, side, side, 0, 0, size, size);
+    small.width = width;
+    small.height = width * 0.75;
+    const scale = Math.min(small.width / this.canvas.width, small.height / this.canvas.height) * 1.12;
+    const [w, h] = [this.canvas.width * scale, this.canvas.height * scale];
+    small.getContext("2d").drawImage(this.canvas, (small.width - w) / 2, (small.height - h) / 2, w, h);
     return small.toDataURL("image/webp", 0.8);
   }
 

@@ -1,0 +1,301 @@
+"""A real server process for the tests: started on a free port with a fresh data folder, spoken to by the standard
+library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
+import http.client
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+PROGRAM = os.environ.get("SHEETFORM", "")
+FAKE_WORKER = os.environ.get("FAKE_WORKER", "")
+EXECUTION = "/api/v1/processes/decompose/execution"
+
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+def cone(sides=24, seed=0):
+    """An open cone as OBJ: one sheet, decomposed in no time. seed moves the tip, so that each is another mesh."""
+    import math
+    lines = [f"v {math.cos(2 * math.pi * i / sides):.9f} {math.sin(2 * math.pi * i / sides):.9f} 0" for i in range(sides)]
+    rings = 6
+    for ring in range(1, rings):
+        r = 1 - ring / rings * 0.8
+        lines += [f"v {r * math.cos(2 * math.pi * i / sides):.9f} {r * math.sin(2 * math.pi * i / sides):.9f} "
+                  f"{(1 - r) * (1.5 + seed * 1e-4):.9f}" for i in range(sides)]
+    for ring in range(rings - 1):
+        for i in range(sides):
+            a, b = ring * sides + i + 1, ring * sides + (i + 1) % sides + 1
+            lines += [f"f {a} {b} {b + sides}", f"f {a} {b + sides} {a + sides}"]
+    return ("\n".join(lines) + "\n").encode()
+
+
+class Answer:
+    def __init__(self, status, headers, body):
+        self.status, self.headers, self.body = status, headers, body
+
+    def json(self):
+        return json.loads(self.body)
+
+    def slug(self):
+        """The kind of a problem, e.g. "unreadable-mesh"."""
+        return re.split("[/:]", self.json()["type"])[-1]
+
+
+class Server:
+    """One server process and its data folder. Use as a context."""
+
+    def __init__(self, *options, fake=True, data=None, env=None, wait=True):
+        self.data = data or tempfile.mkdtemp(prefix="sheetform-test-")
+        self.own_data = data is None
+        self.options = ["--min-free", "0", "--log", "json", *options]
+        if fake:
+            self.options += ["--worker", FAKE_WORKER, "--no-sandbox"]
+        self.env = dict(os.environ, **(env or {}))
+        self.process = None
+        self.port = 0
+        self.contract = None
+        self.start(wait)
+
+    def start(self, wait=True):
+        self.log = open(os.path.join(self.data, "..", os.path.basename(self.data) + ".log"), "ab")
+        begin = self.log.tell()
+        listen = next((o for i, o in enumerate(self.options) if self.options[i - 1] == "--listen"), None)
+        options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
+        self.process = subprocess.Popen([PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
+                                        stdout=subprocess.DEVNULL, env=self.env)
+        if not wait:
+            return
+        deadline = time.monotonic() + 20
+        while time.monotonic() < deadline and self.process.poll() is None:
+            match = re.search(rb'"msg":"serving".*?"url":"http://[^"]*:(\d+)"', self.log_bytes()[begin:])
+            if match:
+                self.port = int(match.group(1))
+                return
+            time.sleep(0.01)
+        raise AssertionError("the server did not start: " + self.log_bytes()[begin:].decode(errors="replace")[-2000:])
+
+    def log_bytes(self):
+        with open(self.log.name, "rb") as f:
+            return f.read()
+
+    def log_lines(self):
+        return [json.loads(line) for line in self.log_bytes().splitlines() if line.startswith(b"{")]
+
+    def stop(self, sig=signal.SIGTERM, timeout=40):
+        """Ends the process; its exit status."""
+        if self.process.poll() is None:
+            self.process.send_signal(sig)
+        status = self.process.wait(timeout)
+        self.log.close()
+        return status
+
+    def restart(self, sig=signal.SIGKILL):
+        self.stop(sig)
+        self.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *unused):
+        if self.process.poll() is None:
+            self.stop(signal.SIGKILL)
+        if self.own_data:
+            shutil.rmtree(self.data, ignore_errors=True)
+            if os.path.exists(self.log.name):
+                os.unlink(self.log.name)
+
+    # --- requests
+    def request(self, method, path, body=None, headers=None, timeout=60, check=True):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
+        try:
+            connection.request(method, path, body=body, headers=headers or {})
+            response = connection.getresponse()
+            data = response.read()
+            answer = Answer(response.status, response.headers, data)
+        finally:
+            connection.close()
+        if check:
+            self.hold_to_contract(method, path, answer)
+        return answer
+
+    def get(self, path, **headers):
+        return self.request("GET", path, headers={k.replace("_", "-"): v for k, v in headers.items()})
+
+    def submit(self, mesh=None, name="work-20.obj", headers=None, **parameters):
+        """A job by raw body; its status document. name: what the fake worker goes by."""
+        query = urllib.parse.urlencode({"filename": name, **parameters})
+        answer = self.request("POST", f"{EXECUTION}?{query}", mesh if mesh is not None else unique_mesh(), headers)
+        if answer.status != 201:
+            raise AssertionError(f"{answer.status}: {answer.body[:500]}")
+        return answer.json()
+
+    def job(self, job_id):
+        return self.get(f"/api/v1/jobs/{job_id}").json()
+
+    def wait(self, job_id, timeout=30, until=("successful", "failed", "dismissed")):
+        deadline = time.monotonic() + timeout
+        while time.monotonic() < deadline:
+            job = self.job(job_id)
+            if job["status"] in until:
+                return job
+            time.sleep(0.02)
+        raise AssertionError(f"the job did not get to {until}: {job}")
+
+    def raw(self, data, timeout=20, close_write=False):
+        """Sends bytes as they are; everything that comes back until the connection ends."""
+        with socket.create_connection(("127.0.0.1", self.port), timeout=timeout) as s:
+            try:
+                s.sendall(data)
+                if close_write:
+                    s.shutdown(socket.SHUT_WR)
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # answered before all was sent
+            received = b""
+            try:
+                while True:
+                    piece = s.recv(65536)
+                    if not piece:
+                        break
+                    received += piece
+            except ConnectionResetError:
+                pass
+            return received
+
+    # --- contract
+    def hold_to_contract(self, method, path, answer):
+        if self.contract is None:
+            described = self.request("GET", "/api/v1/api", check=False)
+            if described.status != 200:
+                return  # a server that asks for a token
+            self.contract = Contract(json.loads(described.body))
+        self.contract.check(method, path, answer)
+
+    def children(self):
+        """Process ids of the jobs' processes."""
+        listed = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.pid)], stdout=subprocess.PIPE)
+        return [int(p) for p in listed.stdout.split()]
+
+    def memory(self):
+        """Resident bytes of the server."""
+        with open(f"/proc/{self.process.pid}/status") as f:
+            return int(re.search(r"VmRSS:\s+(\d+)", f.read()).group(1)) * 1024
+
+
+_counter = [0]
+
+
+def unique_mesh():
+    _counter[0] += 1
+    return TRIANGLE + f"# {os.getpid()} {_counter[0]}\n".encode()
+
+
+class Contract:
+    """The description of the API, and whether an answer keeps to it."""
+
+    def __init__(self, description):
+        self.description = description
+        self.seen = set()
+
+    def operation(self, method, path):
+        path = urllib.parse.unquote(path.split("?")[0])
+        for template, item in self.description["paths"].items():
+            pattern = re.sub(r"\{[^}]*\}", "[^/]+", template)
+            if re.fullmatch(pattern, path) and (method.lower() in item or method == "HEAD"):
+                self.seen.add((template, method))
+                return item.get(method.lower() if method != "HEAD" else "get")
+        return None
+
+    def check(self, method, path, answer):
+        operation = self.operation(method, path)
+        if operation is None:
+            return
+        declared = operation["responses"]
+        where = f"{method} {path} -> {answer.status}"
+        # What every address can answer, whatever it is for.
+        if str(answer.status) not in declared and answer.status in (400, 401, 403, 408, 421, 429, 500, 503):
+            self.validate(answer.json(), {"$ref": "#/components/schemas/Problem"}, where)
+            return
+        assert str(answer.status) in declared, f"{where}: status not described"
+        response = self.resolve(declared[str(answer.status)])
+        if method == "HEAD":
+            return
+        content = response.get("content", {})
+        kind = answer.headers.get("Content-Type")
+        if not content:
+            assert answer.body == b"", f"{where}: a body that is not described"
+            return
+        plain = {k.replace(" ", "") for k in content}
+        assert kind is not None and (kind.replace(" ", "") in plain or kind.split(";")[0] in plain or "*/*" in content), \
+            f"{where}: type {kind} is not described"
+        if kind.split(";")[0] in ("application/json", "application/problem+json") and kind in content:
+            self.validate(answer.json(), content[kind]["schema"], where)
+
+    def resolve(self, node):
+        while "$ref" in node:
+            target = self.description
+            for key in node["$ref"].lstrip("#/").split("/"):
+                target = target[key]
+            node = target
+        return node
+
+    TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+
+    def validate(self, value, schema, where):
+        schema = self.resolve(schema)
+        for part in schema.get("allOf", []):
+            self.validate(value, part, where)
+        if "type" in schema:
+            kind = self.TYPES[schema["type"]]
+            good = isinstance(value, kind) and not (schema["type"] in ("integer", "number") and isinstance(value, bool))
+            assert good, f"{where}: {value!r:.80} is no {schema['type']}"
+        if "enum" in schema:
+            assert value in schema["enum"], f"{where}: {value!r} is none of {schema['enum']}"
+        for bound, wrong in (("minimum", lambda v, b: v < b), ("maximum", lambda v, b: v > b)):
+            assert not (bound in schema and wrong(value, schema[bound])), f"{where}: {value} breaks {bound}"
+        if isinstance(value, dict):
+            properties = schema.get("properties", {})
+            for name in schema.get("required", []):
+                assert name in value, f"{where}: {name} is missing in {str(value)[:200]}"
+            for name, member in value.items():
+                if name in properties:
+                    self.validate(member, properties[name], f"{where} .{name}")
+                elif isinstance(schema.get("additionalProperties"), dict):
+                    self.validate(member, schema["additionalProperties"], f"{where} .{name}")
+        if isinstance(value, list) and "items" in schema:
+            for item in value:
+                self.validate(item, schema["items"], where + "[]")
+
+
+class ServerCase(unittest.TestCase):
+    """One server for all tests of the class."""
+    options = ()
+    fake = True
+
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(*cls.options, fake=cls.fake)
+
+    @classmethod
+    def tearDownClass(cls):
+        alive = cls.server.process.poll() is None
+        cls.server.__exit__()
+        assert alive, "the server died during the tests"
+
+    def assert_problem(self, answer, status, slug):
+        self.assertEqual((answer.status, answer.slug()), (status, slug), answer.body[:500])
+        self.assertEqual(answer.headers["Content-Type"], "application/problem+json")
+        self.assertTrue(answer.json()["detail"])
+
+
+def main():
+    if not PROGRAM:
+        sys.exit("SHEETFORM must name the program")
+    unittest.main(verbosity=2)

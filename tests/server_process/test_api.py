@@ -1,0 +1,419 @@
+"""The resources of the API: from upload to download, and every wrong turn."""
+import base64
+import hashlib
+import io
+import json
+import time
+import urllib.parse
+import zipfile
+
+from harness import EXECUTION, TRIANGLE, Server, ServerCase, cone, main, unique_mesh
+
+
+def form(parts):
+    """A multipart body: (name, filename or None, bytes)."""
+    boundary = "----test1234567890"
+    body = b""
+    for name, filename, content in parts:
+        disposition = f'form-data; name="{name}"' + (f'; filename="{filename}"' if filename is not None else "")
+        body += f"--{boundary}\r\nContent-Disposition: {disposition}\r\n\r\n".encode() + content + b"\r\n"
+    return body + f"--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
+
+
+class RealPipeline(ServerCase):
+    fake = False
+
+    def test_upload_to_result(self):
+        mesh = cone()
+        job = self.server.submit(mesh, name="cone.obj", e_max=0.02, tag="first")
+        self.assertEqual(job["inputs"]["mesh"]["sha256"], hashlib.sha256(mesh).hexdigest())
+        self.assertEqual((job["inputs"]["mesh"]["vertices"], job["inputs"]["mesh"]["faces"]), (144, 240))
+        self.assertEqual(job["inputs"]["mesh"]["format"], "obj")
+        self.assertEqual(job["parameters"]["e_max"], 0.02)
+        self.assertEqual(job["tag"], "first")
+        job = self.server.wait(job["jobID"], timeout=120)
+        self.assertEqual(job["status"], "successful", job)
+        self.assertEqual(job["progress"], 100)
+        self.assertGreaterEqual(job["report"]["patches"], 1)
+        results = self.server.get(f"/api/v1/jobs/{job['jobID']}/results").json()
+        self.assertLessEqual({"ruled.obj", "layout.json", "layout.svg"}, set(results))
+        for name, entry in results.items():
+            content = self.server.get(entry["href"]).body
+            self.assertEqual(len(content), entry["length"], name)
+            self.assertEqual(hashlib.sha256(content).hexdigest(), entry["sha256"], name)
+        layout = json.loads(self.server.get(results["layout.json"]["href"]).body)
+        self.assertEqual(layout["schema"], "sheetform-layout/1")
+
+    def test_inch_and_size_are_echoed(self):
+        job = self.server.submit(cone(), name="cone.obj", scale=25.4)
+        self.assertEqual(job["inputs"]["mesh"]["unitAssumed"], "1 unit = 25.4 mm")
+        job = self.server.submit(cone(), name="cone.obj", target_size=500)
+        self.assertAlmostEqual(max(job["inputs"]["mesh"]["sizeMm"]), 500, places=6)
+        self.server.request("DELETE", f"/api/v1/jobs/{job['jobID']}")
+
+    def test_sandbox_of_the_real_worker_refuses_everything(self):
+        sandbox = self.server.get("/version").json()["sandbox"]
+        self.assertEqual({k for k, refused in sandbox.items() if not refused}, set(), sandbox)
+
+
+class Uploads(ServerCase):
+    def test_multipart(self):
+        body, kind = form([("mesh", "C:\\meshes\\work-20 \u202egpj.obj", unique_mesh()), ("e_max", None, b"0.1"),
+                           ("tag", None, b"form"), ("seed", None, b"")])
+        answer = self.server.request("POST", EXECUTION, body, {"Content-Type": kind})
+        self.assertEqual(answer.status, 201)
+        job = answer.json()
+        self.assertEqual((job["parameters"]["e_max"], job["tag"]), (0.1, "form"))
+        self.assertEqual(job["inputs"]["mesh"]["name"], "work-20 gpj.obj")
+
+    def test_multipart_with_request_part(self):
+        body, kind = form([("request", None, b'{"inputs": {"e_max": 0.05, "t_junctions": false}, "tag": "r"}'),
+                           ("mesh", "a.obj", unique_mesh())])
+        job = self.server.request("POST", EXECUTION, body, {"Content-Type": kind}).json()
+        self.assertEqual((job["parameters"]["e_max"], job["parameters"]["t_junctions"], job["tag"]), (0.05, False, "r"))
+
+    def test_json(self):
+        mesh = unique_mesh()
+        body = json.dumps({"inputs": {"mesh": {"value": base64.b64encode(mesh).decode(), "filename": "j.obj"},
+                                      "creases": "off"}, "tag": "json"})
+        job = self.server.request("POST", EXECUTION, body, {"Content-Type": "application/json"}).json()
+        self.assertEqual(job["inputs"]["mesh"]["sha256"], hashlib.sha256(mesh).hexdigest())
+        self.assertEqual((job["parameters"]["creases"], job["tag"]), ("off", "json"))
+
+    def test_chunked(self):
+        mesh = unique_mesh()
+        def pieces():
+            for i in range(0, len(mesh), 7):
+                yield mesh[i:i + 7]
+        answer = self.server.request("POST", EXECUTION, pieces(), {"Content-Type": "model/obj"})
+        self.assertEqual(answer.status, 201)
+        self.assertEqual(answer.json()["inputs"]["mesh"]["sha256"], hashlib.sha256(mesh).hexdigest())
+
+    def test_location_leads_to_the_job(self):
+        answer = self.server.request("POST", EXECUTION, unique_mesh())
+        path = urllib.parse.urlparse(answer.headers["Location"]).path
+        self.assertEqual(self.server.get(path).json()["jobID"], answer.json()["jobID"])
+
+    def test_input_comes_back(self):
+        mesh = unique_mesh()
+        job = self.server.submit(mesh, name="back.obj")
+        answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/input")
+        self.assertEqual(answer.body, mesh)
+        self.assertIn('filename="back.obj"', answer.headers["Content-Disposition"])
+
+    def test_digest_of_the_body(self):
+        mesh = unique_mesh()
+        right = base64.b64encode(hashlib.sha256(mesh).digest()).decode()
+        wrong = base64.b64encode(hashlib.sha256(b"x").digest()).decode()
+        headers = {"Content-Digest": f"sha-256=:{right}:"}
+        self.assertEqual(self.server.request("POST", EXECUTION, mesh, headers).status, 201)
+        headers = {"Content-Digest": f"sha-256=:{wrong}:"}
+        self.assert_problem(self.server.request("POST", EXECUTION, mesh, headers), 400, "digest-mismatch")
+
+    def test_wrong_bodies(self):
+        js = {"Content-Type": "application/json"}
+        body, kind = form([("e_max", None, b"0.1")])
+        twice, _ = form([("mesh", "a.obj", TRIANGLE), ("mesh", "b.obj", TRIANGLE)])
+        cases = [(b"{", js, 400, "malformed-request"),
+                 (b'{"inputs":{}}', js, 400, "malformed-request"),
+                 (b'{"inputs":{"mesh":"###"}}', js, 400, "malformed-request"),
+                 (b'{"inputs":{"mesh":"","e_max":1,"e_max":2}}', js, 400, "malformed-request"),
+                 (b"[" * 100000, js, 400, "malformed-request"),
+                 (b'{"inputs":{"mesh":{"href":"http://169.254.169.254/"}}}', js, 422, "remote-input-disabled"),
+                 (b"x", {"Content-Type": "image/png"}, 415, "unsupported-media-type"),
+                 (b"x", {"Content-Encoding": "gzip"}, 415, "unsupported-media-type"),
+                 (body, {"Content-Type": kind}, 400, "malformed-request"),
+                 (twice, {"Content-Type": kind}, 400, "malformed-request"),
+                 (body[:-10], {"Content-Type": kind}, 400, "malformed-request"),
+                 (b"", {"Content-Type": "multipart/form-data"}, 400, "malformed-request")]
+        for content, headers, status, slug in cases:
+            with self.subTest(content=content[:60], headers=headers):
+                self.assert_problem(self.server.request("POST", EXECUTION, content, headers), status, slug)
+
+    def test_wrong_parameters(self):
+        for query, where in [("e_max=7", "e_max"), ("e_max=abc", "e_max"), ("emax=0.1", "emax"), ("e_max=0.1&e_max=0.2", "e_max"),
+                             ("max_sides=9", "max_sides"), ("effort=extreme", "effort"), ("tag=" + "x" * 101, "tag"),
+                             ("symmetry=1,2", "symmetry"), ("cache=never", "cache")]:
+            with self.subTest(query=query):
+                answer = self.server.request("POST", f"{EXECUTION}?{query}", TRIANGLE)
+                self.assert_problem(answer, 422, "invalid-parameter")
+                self.assertEqual(answer.json()["where"], where)
+                self.assertTrue(answer.json()["fix"])
+
+
+class Jobs(ServerCase):
+    options = ("--slots", "2")
+
+    def test_unknown_things(self):
+        zero = "00000000-0000-0000-0000-000000000000"
+        for path, slug in [("/api/v1/nothing", "not-found"), ("/api/v1/jobs/" + zero, "no-such-job"),
+                           ("/api/v1/jobs/x'--", "no-such-job"), (f"/api/v1/jobs/{zero}/results", "no-such-job"),
+                           ("/api/v1/processes/fold", "no-such-process")]:
+            with self.subTest(path=path):
+                self.assert_problem(self.server.get(path), 404, slug)
+        self.assert_problem(self.server.request("POST", "/api/v1/processes/fold/execution", TRIANGLE), 404, "no-such-process")
+
+    def test_wrong_method_says_what_is_allowed(self):
+        answer = self.server.request("PUT", "/api/v1/jobs", b"x")
+        self.assert_problem(answer, 405, "method-not-allowed")
+        self.assertEqual(answer.headers["Allow"], "GET, HEAD")
+
+    def test_list_filters_and_pages(self):
+        tag = f"list-{time.time()}"
+        ids = [self.server.submit(tag=tag)["jobID"] for _ in range(7)]
+        for job_id in ids:
+            self.server.wait(job_id)
+        path, found = f"/api/v1/jobs?limit=3&tag={tag}", []
+        while path:
+            page = self.server.get(path).json()
+            self.assertLessEqual(len(page["jobs"]), 3)
+            found += [job["jobID"] for job in page["jobs"]]
+            path = next((link["href"] for link in page["links"] if link["rel"] == "next"), None)
+        self.assertEqual(found, ids[::-1])
+        count = lambda query: len(self.server.get(f"/api/v1/jobs?tag={tag}&limit=100&{query}").json()["jobs"])
+        self.assertEqual(count("status=successful"), 7)
+        self.assertEqual(count("status=failed,running"), 0)
+        self.assertEqual(count("processID=decompose&type=process"), 7)
+        self.assertEqual(count("processID=other"), 0)
+        self.assertEqual(count("datetime=2020-01-01T00:00:00Z/.."), 7)
+        self.assertEqual(count("datetime=../2020-01-01T00:00:00Z"), 0)
+        self.assertEqual(count("minDuration=1000"), 0)
+        self.assertEqual(count("maxDuration=1000"), 7)
+
+    def test_wrong_queries(self):
+        for query in ["limit=0", "limit=x", "limit=10001", "status=done", "datetime=yesterday", "foo=1", "cursor=zzz",
+                      "type=coverage", "limit=1&limit=2", "minDuration=-1", "tag=%zz", "cursor=_1_"]:
+            with self.subTest(query=query):
+                self.assert_problem(self.server.get(f"/api/v1/jobs?{query}"), 400, "invalid-query-parameter-value")
+
+    def test_cursor_belongs_to_its_filters(self):
+        for _ in range(2):
+            self.server.wait(self.server.submit(tag="cursor")["jobID"])
+        page = self.server.get("/api/v1/jobs?limit=1&tag=cursor").json()
+        following = next(link["href"] for link in page["links"] if link["rel"] == "next")
+        self.assert_problem(self.server.get(following.replace("tag=cursor", "tag=other")), 400, "invalid-query-parameter-value")
+
+    def test_results_before_the_end(self):
+        job = self.server.submit(name="work-2000.obj")
+        answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/results")
+        self.assert_problem(answer, 404, "result-not-ready")
+        self.assertTrue(answer.json()["retryable"])
+        self.server.request("DELETE", f"/api/v1/jobs/{job['jobID']}")
+
+    def test_failed_job_answers_with_its_problem(self):
+        job = self.server.wait(self.server.submit(name="refuse.obj")["jobID"])
+        self.assertEqual(job["status"], "failed")
+        self.assertEqual(job["exception"]["where"], "face 7")
+        answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/results")
+        self.assertEqual((answer.status, answer.slug()), (422, "unsupported-mesh"))
+        self.assertEqual(answer.json()["fix"], "cut it open")
+
+    def test_dismiss_and_remove(self):
+        job = self.server.submit(name="work-5000.obj")["jobID"]
+        self.server.wait(job, until=("running",))
+        answer = self.server.request("DELETE", f"/api/v1/jobs/{job}")
+        self.assertEqual((answer.status, answer.json()["status"]), (200, "dismissed"))
+        self.assertEqual(self.server.job(job)["status"], "dismissed")
+        self.assertEqual(self.server.request("DELETE", f"/api/v1/jobs/{job}").status, 200)
+        self.assert_problem(self.server.get(f"/api/v1/jobs/{job}"), 404, "no-such-job")
+        self.assert_problem(self.server.request("DELETE", f"/api/v1/jobs/{job}"), 404, "no-such-job")
+
+    def test_retry(self):
+        job = self.server.wait(self.server.submit(name="refuse.obj")["jobID"])["jobID"]
+        answer = self.server.request("POST", f"/api/v1/jobs/{job}/retry", b"")
+        self.assertEqual((answer.status, answer.json()["status"]), (200, "accepted"))
+        self.assertEqual(self.server.wait(job)["attempt"], 2)
+        good = self.server.wait(self.server.submit()["jobID"])["jobID"]
+        self.assert_problem(self.server.request("POST", f"/api/v1/jobs/{good}/retry", b""), 409, "conflict")
+
+    def test_prefer_wait(self):
+        begun = time.monotonic()
+        answer = self.server.request("POST", f"{EXECUTION}?filename=work-300.obj", unique_mesh(), {"Prefer": "respond-async, wait=20"})
+        self.assertEqual(answer.json()["status"], "successful")
+        self.assertEqual(answer.headers["Preference-Applied"], "wait=20")
+        self.assertGreater(time.monotonic() - begun, 0.25)
+        job = self.server.submit(name="work-3000.obj")["jobID"]
+        self.server.wait(job, until=("running",))
+        begun = time.monotonic()
+        self.assertEqual(self.server.get(f"/api/v1/jobs/{job}", Prefer="wait=1").json()["status"], "running")
+        self.assertGreater(time.monotonic() - begun, 0.9)
+        self.server.request("DELETE", f"/api/v1/jobs/{job}")
+
+    def test_idempotency(self):
+        mesh = unique_mesh()
+        send = lambda body, e_max: self.server.request("POST", f"{EXECUTION}?e_max={e_max}", body, {"Idempotency-Key": "key-1"})
+        first, again = send(mesh, 0.1), send(mesh, 0.1)
+        self.assertEqual((first.status, again.status), (201, 201))
+        self.assertEqual(first.json()["jobID"], again.json()["jobID"])
+        self.assertIsNone(first.headers["Idempotency-Replayed"])
+        self.assertEqual(again.headers["Idempotency-Replayed"], "true")
+        self.assert_problem(send(unique_mesh(), 0.1), 422, "idempotency-mismatch")
+        self.assert_problem(send(mesh, 0.2), 422, "idempotency-mismatch")
+        answer = self.server.request("POST", EXECUTION, mesh, {"Idempotency-Key": "has space"})
+        self.assert_problem(answer, 400, "malformed-request")
+
+    def test_result_is_reused(self):
+        mesh = unique_mesh()
+        first = self.server.wait(self.server.submit(mesh)["jobID"])
+        second = self.server.submit(mesh)
+        self.assertEqual((second["status"], second["reusedFrom"]), ("successful", first["jobID"]))
+        a, b = (self.server.get(f"/api/v1/jobs/{j['jobID']}/results").json() for j in (first, second))
+        self.assertEqual({n: e["sha256"] for n, e in a.items()}, {n: e["sha256"] for n, e in b.items()})
+        self.assertNotIn("reusedFrom", self.server.submit(mesh, cache="refresh"))
+        self.assertNotIn("reusedFrom", self.server.submit(mesh, e_max=0.3))
+        # The result outlives the job that it was made by.
+        self.server.request("DELETE", f"/api/v1/jobs/{first['jobID']}")
+        self.assertEqual(self.server.get(b["big.bin"]["href"]).body[-3:], b"end")
+
+    def test_log(self):
+        job = self.server.wait(self.server.submit(name="refuse.obj")["jobID"])
+        answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/log")
+        self.assertIn(b"start 1: refused", answer.body)
+
+
+class Downloads(ServerCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.job = cls.server.wait(cls.server.submit()["jobID"])["jobID"]
+        cls.base = f"/api/v1/jobs/{cls.job}/results"
+        cls.big = cls.base + "/big.bin"
+        cls.content = b"x" * 700000 + b"end"
+
+    def test_tag_and_conditions(self):
+        answer = self.server.get(self.big)
+        tag = answer.headers["ETag"]
+        self.assertEqual(answer.body, self.content)
+        self.assertEqual(tag, f'"sha256-{hashlib.sha256(self.content).hexdigest()}"')
+        for headers, status in [({"If-None-Match": tag}, 304), ({"If-None-Match": "W/" + tag}, 304), ({"If-None-Match": "*"}, 304),
+                                ({"If-None-Match": '"a", ' + tag}, 304), ({"If-None-Match": '"a"'}, 200),
+                                ({"If-Match": tag}, 200), ({"If-Match": '"a"'}, 412), ({"If-Match": "W/" + tag}, 412),
+                                ({"If-Modified-Since": answer.headers["Last-Modified"]}, 304),
+                                ({"If-Modified-Since": "Mon, 01 Jan 2001 00:00:00 GMT"}, 200)]:
+            with self.subTest(headers=headers):
+                again = self.server.request("GET", self.big, headers=headers)
+                self.assertEqual(again.status, status)
+                if status == 304:
+                    self.assertEqual(again.body, b"")
+                    self.assertEqual(again.headers["ETag"], tag)
+                    self.assertIsNone(again.headers["Content-Length"])
+
+    def test_ranges(self):
+        n, whole = len(self.content), self.content
+        for field, expected in [("bytes=0-0", whole[:1]), ("bytes=10-19", whole[10:20]), (f"bytes={n - 5}-", whole[-5:]),
+                                ("bytes=-3", b"end"), (f"bytes=-{n + 10}", whole), (f"bytes=262140-262150", whole[262140:262151]),
+                                (f"bytes={n - 1}-99999999999999999999999", whole[-1:]), ("bytes=0-", whole)]:
+            with self.subTest(field=field):
+                answer = self.server.get(self.big, Range=field)
+                self.assertEqual((answer.status, answer.body), (206, expected))
+                begin = n - len(expected) if field.startswith("bytes=-") else int(field[6:].split("-")[0])
+                self.assertEqual(answer.headers["Content-Range"], f"bytes {begin}-{begin + len(expected) - 1}/{n}")
+        for field in [f"bytes={n}-", f"bytes={n + 100}-{n + 200}", "bytes=-0", "bytes=99999999999999999999-"]:
+            with self.subTest(field=field):
+                answer = self.server.get(self.big, Range=field)
+                self.assert_problem(answer, 416, "range-not-satisfiable")
+                self.assertEqual(answer.headers["Content-Range"], f"bytes */{n}")
+        for field in ["bytes=0-1,5-6", "items=0-1", "bytes=5-2", "bytes=a-b", "bytes=", "bytes=--1", "bytes=1", ""]:
+            with self.subTest(field=field):
+                self.assertEqual(self.server.get(self.big, Range=field).body, whole)
+
+    def test_if_range(self):
+        tag = self.server.get(self.big).headers["ETag"]
+        self.assertEqual(self.server.get(self.big, Range="bytes=0-4", If_Range=tag).status, 206)
+        self.assertEqual(self.server.get(self.big, Range="bytes=0-4", If_Range='"old"').status, 200)
+
+    def test_head(self):
+        answer = self.server.request("HEAD", self.big)
+        self.assertEqual((answer.status, answer.body, answer.headers["Content-Length"]), (200, b"", str(len(self.content))))
+
+    def test_empty_file(self):
+        answer = self.server.get(self.base + "/empty.txt")
+        self.assertEqual((answer.status, answer.body, answer.headers["Content-Length"]), (200, b"", "0"))
+        self.assertEqual(self.server.get(self.base + "/empty.txt", Range="bytes=0-").status, 416)
+
+    def test_zip(self):
+        for path, headers in [(self.base + "?f=zip", {}), (self.base, {"Accept": "application/zip"})]:
+            answer = self.server.request("GET", path, headers=headers)
+            self.assertEqual(answer.headers["Content-Type"], "application/zip")
+            with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
+                self.assertIsNone(archive.testzip())
+                self.assertEqual(archive.namelist(), ["layout.svg", "big.bin", "empty.txt"])
+                self.assertEqual(archive.read("big.bin"), self.content)
+        part = self.server.get(self.base + "?f=zip", Range="bytes=1000-1999")
+        self.assertEqual(part.body, answer.body[1000:2000])
+        some = self.server.get(self.base + "?f=zip&outputs=layout.svg").body
+        self.assertEqual(zipfile.ZipFile(io.BytesIO(some)).namelist(), ["layout.svg"])
+
+    def test_choice_of_outputs(self):
+        self.assertEqual(list(self.server.get(self.base + "?outputs=big.bin").json()), ["big.bin"])
+        self.assert_problem(self.server.get(self.base + "?outputs=passwd"), 404, "no-such-output")
+        self.assert_problem(self.server.get(self.base + "/passwd"), 404, "no-such-output")
+
+    def test_disposition_and_policy(self):
+        answer = self.server.get(self.base + "/layout.svg")
+        self.assertTrue(answer.headers["Content-Disposition"].startswith('attachment; filename="layout.svg"'))
+        self.assertIn("sandbox", answer.headers["Content-Security-Policy"])
+        shown = self.server.get(self.base + "/layout.svg?inline=1")
+        self.assertTrue(shown.headers["Content-Disposition"].startswith("inline"))
+        kept = self.server.get(self.base + "/big.bin?inline=1")
+        self.assertTrue(kept.headers["Content-Disposition"].startswith("attachment"))
+        self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+
+
+class Description(ServerCase):
+    def test_landing_page_leads_everywhere(self):
+        page = self.server.get("/api/v1/").json()
+        for link in page["links"]:
+            if link["href"] != "/":
+                self.assertEqual(self.server.get(link["href"]).status, 200, link)
+
+    def test_conformance(self):
+        classes = self.server.get("/api/v1/conformance").json()["conformsTo"]
+        for name in ("core", "json", "oas30", "job-list", "dismiss", "ogc-process-description"):
+            self.assertIn(f"http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/{name}", classes)
+
+    def test_process(self):
+        process = self.server.get("/api/v1/processes/decompose").json()
+        self.assertEqual(process["jobControlOptions"], ["async-execute", "dismiss"])
+        self.assertEqual(process["inputs"]["e_max"]["schema"]["default"], 0.02)
+        listed = self.server.get("/api/v1/processes").json()["processes"]
+        self.assertEqual([p["id"] for p in listed], ["decompose"])
+
+    def test_limits_and_health(self):
+        self.assertEqual(self.server.get("/api/v1/limits").json()["uploadBytes"], 256 << 20)
+        self.assertEqual(self.server.get("/healthz").json()["status"], "ok")
+        self.assertEqual(self.server.get("/readyz").json()["status"], "ok")
+
+    def test_metrics(self):
+        self.server.wait(self.server.submit()["jobID"])
+        text = self.server.get("/metrics").body.decode()
+        self.assertIn('sheetform_jobs{state="successful"}', text)
+        self.assertIn('sheetform_http_requests_total{route="/api/v1/processes/{processID}/execution",method="POST",code="201"}', text)
+        for line in text.splitlines():
+            self.assertRegex(line, r'^(# (HELP|TYPE) .+|[a-z_]+(\{([a-z]+="[^"]*",?)*\})? [0-9.e+-]+)$')
+
+    def test_request_ids(self):
+        self.assertEqual(self.server.get("/healthz", X_Request_Id="my-id.7").headers["X-Request-Id"], "my-id.7")
+        strange = self.server.get("/healthz", X_Request_Id="a b").headers["X-Request-Id"]
+        self.assertRegex(strange, "^[0-9a-f]{16}$")
+        self.assertNotEqual(strange, self.server.get("/healthz").headers["X-Request-Id"])
+
+
+class Page(ServerCase):
+    def test_policy_and_tags(self):
+        answer = self.server.get("/")
+        if answer.status == 404:
+            self.skipTest("built without a page")
+        self.assertEqual(answer.headers["Content-Type"], "text/html; charset=utf-8")
+        self.assertIn("default-src 'none'", answer.headers["Content-Security-Policy"])
+        again = self.server.get("/", If_None_Match=answer.headers["ETag"])
+        self.assertEqual((again.status, again.body), (304, b""))
+
+    def test_only_files_of_the_page(self):
+        for path in ["/../etc/passwd", "/%2e%2e/etc/passwd", "/index.html/..", "/assets/", "/.lock", "/sheetform.db"]:
+            with self.subTest(path=path):
+                self.assertIn(self.server.get(path).status, (400, 404))
+
+
+if __name__ == "__main__":
+    main()

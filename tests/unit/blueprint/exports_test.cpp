@@ -1,0 +1,139 @@
+#include "sheetform/blueprint/exports.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+
+#include "sheetform/base/error.h"
+#include "sheetform/decompose.h"
+#include "support/shapes.h"
+#include "support/strip_shapes.h"
+
+namespace sheetform {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Stored {
+  std::string obj, json;
+};
+
+Stored stored(const StripMesh& strips, double scale = 50) {
+  Decomposition d;
+  d.strips = strips;
+  d.params.scale = scale;
+  d.bbox_diagonal = 1, d.input_vertices = d.input_faces = 1;
+  const auto files = write_artifacts(d);
+  return {files[0].content, files[1].content};
+}
+
+Artifact exported(const Stored& s, const std::string& format,
+                  const std::map<std::string, std::string>& query = {}) {
+  return export_result(s.obj, s.json, read_export_request(format, query),
+                       {"1.0", "job-7", "model", "sha256:00", "https://example.org/jobs/7", ""});
+}
+
+TEST(Exports, EveryFormatGivesAFileWithItsType) {
+  const Stored s = stored(shapes::torus_pieces(12, 4, 15));
+  const std::vector<std::array<std::string, 4>> cases = {
+      {"svg", "sheet-1.svg", "image/svg+xml", "<?xml"},
+      {"dxf", "sheet-1.dxf", "image/vnd.dxf", "999"},
+      {"pdf", "blueprint.pdf", "application/pdf", "%PDF"},
+      {"fold", "blueprint.fold", "application/json", "{"},
+      {"frame", "frame.stl", "model/stl", "sheetform"},
+      {"parts-json", "parts.json", "application/json", "{"},
+      {"parts-csv", "parts.csv", "text/csv", "label"},
+      {"parts-dxf", "blueprint.zip", "application/zip", "PK"},
+      {"parts-svg", "blueprint.zip", "application/zip", "PK"},
+      {"zip", "blueprint.zip", "application/zip", "PK"}};
+  for (const auto& [format, name, type, start] : cases) {
+    const Artifact a = exported(s, format);
+    EXPECT_EQ(a.name, name);
+    EXPECT_EQ(a.media_type, type);
+    EXPECT_THAT(a.content, StartsWith(start));
+    EXPECT_EQ(a.content, exported(s, format).content);
+  }
+}
+
+TEST(Exports, SheetsAndPartsCanBeAskedForAlone) {
+  const Stored s = stored(shapes::torus_pieces(12, 4, 15));
+  EXPECT_EQ(exported(s, "svg", {{"sheet_size", "300x200"}}).name, "blueprint.zip");
+  EXPECT_EQ(exported(s, "svg", {{"sheet_size", "300x200"}, {"sheet", "2"}}).name, "sheet-2.svg");
+  EXPECT_EQ(exported(s, "parts-dxf", {{"part", "A7"}}).name, "A7.dxf");
+  EXPECT_THROW(exported(s, "svg", {{"sheet", "9"}}), Error);
+  EXPECT_THROW(exported(s, "parts-dxf", {{"part", "Z9"}}), Error);
+}
+
+TEST(Exports, CarryWhereTheyComeFrom) {
+  const Stored s = stored(shapes::cube_faces());
+  for (const char* format : {"svg", "dxf", "fold", "parts-json"}) {
+    const std::string text = exported(s, format).content;
+    for (const char* part : {"job-7", "sha256:00", "https://example.org/jobs/7", "e_max", "sheetform 1.0"})
+      EXPECT_THAT(text, HasSubstr(part)) << format;
+  }
+}
+
+TEST(Exports, QueriesAreReadOrRefusedByName) {
+  const ExportRequest r = read_export_request("pdf", {{"kerf", "0.15"},
+                                                      {"tabs", "alternate"},
+                                                      {"face", "inside"},
+                                                      {"page", "a4"},
+                                                      {"cover", "off"},
+                                                      {"copies", "3"},
+                                                      {"sheet_size", "letter"},
+                                                      {"rulings", "ticks"},
+                                                      {"dxf", "r2000"},
+                                                      {"frame_radius", "2"}});
+  EXPECT_EQ(r.blueprint.kerf, 0.15);
+  EXPECT_EQ(r.blueprint.tabs, TabSides::kAlternate);
+  EXPECT_EQ(r.blueprint.marked_face, Face::kInside);
+  EXPECT_EQ(r.pdf.page_height, 297);
+  EXPECT_FALSE(r.pdf.cover);
+  EXPECT_EQ(r.blueprint.copies, 3);
+  EXPECT_NEAR(r.blueprint.sheet_width, 215.9, 1e-9);
+  EXPECT_EQ(r.dxf, DxfVersion::kR2000);
+  EXPECT_EQ(r.frame.radius, 2);
+  const std::vector<std::array<std::string, 2>> bad = {
+      {"kerf", "x"},    {"kerf", ""},      {"kerf", "1e999"},  {"kerf", "0.1mm"},     {"kerf", "-1"},
+      {"tabs", "yes"},  {"copies", "1.5"}, {"copies", "0"},    {"sheet_size", "5x5"}, {"sheet_size", "axb"},
+      {"page", "huge"}, {"dxf", "r14"},    {"cover", "maybe"}, {"sheet", "0"},        {"nonsense", "1"}};
+  for (const auto& [name, value] : bad) {
+    try {
+      read_export_request("svg", {{name, value}});
+      FAIL() << name << "=" << value;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kInvalidParameter);
+      EXPECT_FALSE(e.where().empty());
+    }
+  }
+  EXPECT_THROW(read_export_request("exe", {}), Error);
+}
+
+TEST(Exports, DocumentedDefaultsAreTheDefaults) {
+  std::set<std::string> names;
+  for (const ExportParameter& p : export_parameters()) {
+    EXPECT_TRUE(names.insert(p.name).second);
+    EXPECT_FALSE(p.text.empty());
+    if (p.otherwise.empty()) continue;
+    const ExportRequest given = read_export_request("svg", {{p.name, p.otherwise}}),
+                        plain = read_export_request("svg", {});
+    EXPECT_EQ(given.blueprint.kerf, plain.blueprint.kerf);
+    EXPECT_EQ(given.blueprint.rulings, plain.blueprint.rulings);
+    EXPECT_EQ(given.blueprint.sheet_width, plain.blueprint.sheet_width);
+    EXPECT_EQ(given.blueprint.ruling_step, plain.blueprint.ruling_step);
+    EXPECT_EQ(given.pdf.page_margin, plain.pdf.page_margin);
+  }
+}
+
+TEST(Exports, ARedrawnHundredPartsTakeUnderTwoSeconds) {
+  const Stored s = stored(shapes::torus_pieces(20, 5, 25));
+  const auto start = std::chrono::steady_clock::now();
+  exported(s, "svg", {{"sheet_size", "600x400"}, {"kerf", "0.2"}, {"profile", "lightburn"}});
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2);
+}
+
+}  // namespace
+}  // namespace sheetform
