@@ -80,11 +80,11 @@ class StripSearch {
       if (first < 0) first = triangle;
       last = triangle;
     }
-    if (off > 0 || (forbidden_ != nullptr && (*forbidden_)(i, j))) return {static_cast<float>(kForbidden), 0};
+    if ((off > 0 && params_.keep_inside) || (forbidden_ != nullptr && (*forbidden_)(i, j))) return {static_cast<float>(kForbidden), 0};
     ChordScore s;
     s.error = static_cast<float>(half_sagitta(d));
     const double relative = s.error / params_.e_max;
-    const double cosine = raster_.normal(first).dot(raster_.normal(last));
+    const double cosine = first < 0 ? 1.0 : raster_.normal(first).dot(raster_.normal(last));
     const double twist2 = 2 * (1 - std::clamp(cosine, -1.0, 1.0));
     s.cost = static_cast<float>(std::min(relative * relative * relative * relative, 1e4) + params_.twist_weight * twist2 +
                                 params_.align_weight * misaligned / kSamples);

@@ -80,6 +80,7 @@ struct RulingParams {
   double twist_weight = 0.2;   ///< per squared radian between the normals at both ends of a ruling
   double align_weight = 0.5;   ///< per unit of sin^2 to the direction of least curvature where that is pronounced
   double min_height = 1e-3;    ///< flat triangles lower than this are avoided
+  bool keep_inside = true;     ///< chords that leave the raster of the patch are forbidden
 };
 
 /// A triangulation of the polygon by a strip.

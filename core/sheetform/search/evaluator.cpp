@@ -12,6 +12,7 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kChordSamples = 5;
 constexpr double kOutlineSlide = 0.0;
+constexpr int kNarrowFaces = 12;
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -321,6 +322,11 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   ruling.e_max = params_.e_max;
   ruling.min_height = 0.03 * params_.spacing;
   e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
+  if (!e->rulings.found && static_cast<int>(patch.faces.size()) <= kNarrowFaces) {
+    // Narrower than a cell of the raster: the outline alone has to do.
+    ruling.keep_inside = false;
+    e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
+  }
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
   chord_samples(raster, patch.area, *e);
   coverage_samples(surface_, patch, raster, *e);
