@@ -124,10 +124,6 @@ ComponentParams component_params(const DecomposeParams& params, double e_max) {
   c.evaluation.self_seams = params.self_seams;
   c.evaluation.t_junctions = params.t_junctions;
   c.seed = params.seed;
-  auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };
-  auto& e = c.evaluation;
-  e.morph.rounds = (int)env("ROUNDS", e.morph.rounds); e.morph.slide = env("SLIDE", e.morph.slide); e.morph.smooth = env("SMOOTHW", e.morph.smooth);
-  e.ruling.align_weight = env("ALIGN", e.ruling.align_weight); e.ruling.twist_weight = env("TWIST", e.ruling.twist_weight); e.spacing = env("SPACING", e.spacing); e.corner_turn = env("TURN", e.corner_turn); c.improvements = (int)env("TRIES", c.improvements); c.margin = env("MARGIN", c.margin); c.seeds = (int)env("SEEDS", c.seeds);
   switch (params.effort) {
     case Effort::kDraft: c.seeds = 60, c.improvements = 0; break;
     case Effort::kNormal: break;

@@ -143,11 +143,10 @@ class ComponentRun {
         finish_layout(surface_, search.network().network(), search.layout(), fine, 10, context_);
     Attempt attempt;
     attempt.invalid = finished.failing;
-    if (getenv("SAY")) for (size_t i = 0; i < finished.failing.size(); ++i) fprintf(stderr, "fail %d %s faces %zu of %zu patches\n", finished.failing[i], to_string(finished.why[i]), search.layout().patches[finished.failing[i]].faces.size(), search.layout().patches.size());
     if (!attempt.invalid.empty()) return attempt;
     attempt.strips = assemble_strips(finished.source);
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (auto dd = check_patch(attempt.strips, p, 1.0); !dd.empty()) { attempt.invalid.push_back(p); if (getenv("SAY")) fprintf(stderr, "inval %d %s %s faces %zu\n", p, dd[0].check.c_str(), dd[0].text.c_str(), search.layout().patches[p].faces.size()); }
+      if (!check_patch(attempt.strips, p, 1.0).empty()) attempt.invalid.push_back(p);
     if (!attempt.invalid.empty()) return attempt;
     const DistanceReport d = measure_distance(input_.reference, tree_, attempt.strips, 4000, context_);
     attempt.distance = d.hausdorff();
