@@ -69,9 +69,11 @@ double mean_bending(const SurfaceMesh& mesh) {
   return sum / std::max(surface_area(mesh), 1e-300);
 }
 
-// Working edge length: coarse enough to be quick, fine enough that facets cost a small share of the tolerance.
+// Working edge length: coarse enough to be quick, fine enough that facets cost a small share of the
+// tolerance.
 double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort) {
-  const double smooth = 0.022 * std::sqrt(e_max / 0.02), curved = std::sqrt(0.5 * e_max / std::max(mean_bending(mesh), 1e-9));
+  const double smooth = 0.022 * std::sqrt(e_max / 0.02),
+               curved = std::sqrt(0.5 * e_max / std::max(mean_bending(mesh), 1e-9));
   const int least = effort == Effort::kDraft ? 1200 : 2500, most = effort == Effort::kDraft ? 3500 : 12000;
   return std::clamp(std::min(smooth, curved), edge_length_for(mesh, most), edge_length_for(mesh, least));
 }
@@ -84,7 +86,8 @@ double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working) {
   return std::sqrt(worst);
 }
 
-PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, double e_max, const RunContext& context) {
+PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, double e_max,
+                                const RunContext& context) {
   std::vector<char> crease(mesh.edges.size(), 0);
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
   double wanted = working_edge_length(mesh, e_max, params.effort);
@@ -92,7 +95,8 @@ PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& 
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
   PreparedMesh prepared = prepare(mesh, crease, wanted, context);
-  for (int attempt = 0; attempt < 2 && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max; ++attempt) {
+  for (int attempt = 0; attempt < 2 && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max;
+       ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
     if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
     prepared = prepare(mesh, crease, wanted, context);
@@ -101,7 +105,8 @@ PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& 
 }
 
 // The user's directions, carried to the prepared mesh by closest points.
-std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& soup, const ClosestPointTree& tree, const SurfaceMesh& mesh) {
+std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& soup,
+                                 const ClosestPointTree& tree, const SurfaceMesh& mesh) {
   std::vector<Vector3> guide(mesh.points.size(), Vector3::Zero());
   for (std::size_t v = 0; v < guide.size(); ++v) {
     const ClosestPoint hit = tree.closest(mesh.points[v]);
@@ -125,9 +130,14 @@ ComponentParams component_params(const DecomposeParams& params, double e_max) {
   c.evaluation.t_junctions = params.t_junctions;
   c.seed = params.seed;
   switch (params.effort) {
-    case Effort::kDraft: c.seeds = 60, c.improvements = 0; break;
-    case Effort::kNormal: break;
-    case Effort::kThorough: c.seeds = 400, c.improvements = 400; break;
+    case Effort::kDraft:
+      c.seeds = 60, c.improvements = 0;
+      break;
+    case Effort::kNormal:
+      break;
+    case Effort::kThorough:
+      c.seeds = 400, c.improvements = 400;
+      break;
   }
   return c;
 }
@@ -162,15 +172,17 @@ void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
   for (const AuditFinding& f : d.audit.findings) r.notes.push_back(f.text);
   if (r.e_max_met) return;
   const Vector3& p = r.worst_place;
-  r.notes.push_back("the tolerance of " + percent(e_max) + " is not met: the distance is " + percent(r.hausdorff) + " at (" +
-                    std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) + ")");
+  r.notes.push_back("the tolerance of " + percent(e_max) + " is not met: the distance is " +
+                    percent(r.hausdorff) + " at (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) +
+                    ", " + std::to_string(p.z()) + ")");
 }
 
 // Lengths resolved: scale and e_max as they are in force.
 DecomposeParams resolved(DecomposeParams params, const Normalisation& norm) {
   if (params.target_size) params.scale = *params.target_size / norm.longest;
   if (params.e_max_mm) params.e_max = *params.e_max_mm / (params.scale * norm.diagonal);
-  require(params.e_max > 0 && params.e_max <= 0.5, params.e_max_mm ? "e_max_mm" : "e_max", "above 0 and at most half of the bounding-box diagonal");
+  require(params.e_max > 0 && params.e_max <= 0.5, params.e_max_mm ? "e_max_mm" : "e_max",
+          "above 0 and at most half of the bounding-box diagonal");
   return params;
 }
 
@@ -178,20 +190,30 @@ DecomposeParams resolved(DecomposeParams params, const Normalisation& norm) {
 
 void validate(const DecomposeParams& params) {
   require(params.e_max > 0 && params.e_max <= 0.5, "e_max", "above 0 and at most 0.5");
-  if (params.e_max_mm) require(*params.e_max_mm > 0 && std::isfinite(*params.e_max_mm), "e_max_mm", "above 0");
+  if (params.e_max_mm)
+    require(*params.e_max_mm > 0 && std::isfinite(*params.e_max_mm), "e_max_mm", "above 0");
   require(params.max_sides >= 3 && params.max_sides <= 6, "max_sides", "3 to 6");
-  if (params.crease_angle) require(*params.crease_angle > 0 && *params.crease_angle < 180, "creases", "between 0 and 180 degrees, or off");
+  if (params.crease_angle)
+    require(*params.crease_angle > 0 && *params.crease_angle < 180, "creases",
+            "between 0 and 180 degrees, or off");
   require(params.scale > 0 && std::isfinite(params.scale), "scale", "above 0");
-  if (params.target_size) require(*params.target_size > 0 && std::isfinite(*params.target_size), "target_size", "above 0");
-  if (params.symmetry != SymmetryMode::kOff) refuse("symmetry is not available yet", "symmetry", "leave it off");
-  if (params.normal_deviation) refuse("the normal-deviation criterion is not available yet", "normal_deviation", "leave it out");
-  if (params.morph != MorphKind::kReduced) refuse("the full morph is not available yet", "morph", "use reduced");
+  if (params.target_size)
+    require(*params.target_size > 0 && std::isfinite(*params.target_size), "target_size", "above 0");
+  if (params.symmetry != SymmetryMode::kOff)
+    refuse("symmetry is not available yet", "symmetry", "leave it off");
+  if (params.normal_deviation)
+    refuse("the normal-deviation criterion is not available yet", "normal_deviation", "leave it out");
+  if (params.morph != MorphKind::kReduced)
+    refuse("the full morph is not available yet", "morph", "use reduced");
 }
 
-Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field, RunContext& context) {
+Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,
+                        RunContext& context) {
   validate(params);
   using Clock = std::chrono::steady_clock;
-  const auto seconds_since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+  const auto seconds_since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
   Decomposition result;
   result.input_vertices = static_cast<int>(input.soup.points.size());
   result.input_faces = static_cast<int>(input.soup.faces.size());
@@ -209,7 +231,8 @@ Decomposition decompose(const InputMesh& input, const DecomposeParams& params, c
   TriangleSoup user_soup;
   ClosestPointTree user_tree;
   if (field != nullptr) {
-    require(field->per_face.empty() ? field->per_vertex.size() == input.soup.points.size() : field->per_face.size() == input.soup.faces.size(),
+    require(field->per_face.empty() ? field->per_vertex.size() == input.soup.points.size()
+                                    : field->per_face.size() == input.soup.faces.size(),
             "field", "one direction for each vertex or face of the mesh");
     user_soup = input.soup;
     for (Vector3& p : user_soup.points) p = norm.in(p);

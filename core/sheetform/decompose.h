@@ -26,14 +26,14 @@ struct Plane {
 
 /// Every parameter of a decomposition. Defaults are held to proto/schemas/parameters.schema.json by a test.
 struct DecomposeParams {
-  double e_max = 0.02;                ///< tolerance as a fraction of the input's bounding-box diagonal, (0, 0.5]
-  std::optional<double> e_max_mm;     ///< tolerance in millimetres instead; wins over e_max
+  double e_max = 0.02;             ///< tolerance as a fraction of the input's bounding-box diagonal, (0, 0.5]
+  std::optional<double> e_max_mm;  ///< tolerance in millimetres instead; wins over e_max
   bool t_junctions = true;
   SymmetryMode symmetry = SymmetryMode::kOff;
-  Plane plane;                        ///< used with SymmetryMode::kPlane
-  int max_sides = 6;                  ///< n of the paper, 3..6
+  Plane plane;                              ///< used with SymmetryMode::kPlane
+  int max_sides = 6;                        ///< n of the paper, 3..6
   std::optional<double> crease_angle = 40;  ///< degrees; none = creases off
-  bool self_seams = true;             ///< a patch may be glued to itself
+  bool self_seams = true;                   ///< a patch may be glued to itself
   std::optional<double> normal_deviation;   ///< degrees; optional viability criterion
   Effort effort = Effort::kNormal;
   MorphKind morph = MorphKind::kReduced;
@@ -51,8 +51,8 @@ struct UserField {
 /// The uploaded mesh, as read.
 struct InputMesh {
   TriangleSoup soup;
-  std::string format;       ///< "obj", "stl", "ply", "off"
-  std::string name;         ///< display name, may be empty
+  std::string format;  ///< "obj", "stl", "ply", "off"
+  std::string name;    ///< display name, may be empty
 };
 
 /// What was measured of the run; lengths are fractions of the input's bounding-box diagonal.
@@ -68,10 +68,10 @@ struct Report {
 
 struct Decomposition {
   StripMesh strips;
-  DecomposeParams params;      ///< as in force: scale and e_max resolved
-  double bbox_diagonal = 0;    ///< of the input, units of the mesh
+  DecomposeParams params;    ///< as in force: scale and e_max resolved
+  double bbox_diagonal = 0;  ///< of the input, units of the mesh
   int input_vertices = 0, input_faces = 0;
-  MeshAudit audit;             ///< what was wrong with the input and what was repaired
+  MeshAudit audit;  ///< what was wrong with the input and what was repaired
   Certificate certificate;
   Report report;
 };

@@ -60,7 +60,8 @@ TriangleSoup closed_cylinder(int around, int along, double r, double height) {
   soup.points.emplace_back(0, 0, 0);
   for (const auto& [radius, z] : profile)
     for (int k = 0; k < around; ++k)
-      soup.points.emplace_back(radius * std::cos(2 * kPi * k / around), radius * std::sin(2 * kPi * k / around), z);
+      soup.points.emplace_back(radius * std::cos(2 * kPi * k / around),
+                               radius * std::sin(2 * kPi * k / around), z);
   soup.points.emplace_back(0, 0, height);
   const int last = static_cast<int>(soup.points.size()) - 1, m = static_cast<int>(profile.size());
   auto at = [&](int ring, int k) { return 1 + ring * around + k % around; };

@@ -7,8 +7,8 @@
 
 namespace sheetform::shapes {
 
-/// A grid of (nu x nv) quads, split into triangles with alternating diagonals, mapped by f(u, v), u and v in [0, 1];
-/// wrap_u / wrap_v glue opposite sides. Oriented so that (d/du) x (d/dv) points outside.
+/// A grid of (nu x nv) quads, split into triangles with alternating diagonals, mapped by f(u, v), u and v in
+/// [0, 1]; wrap_u / wrap_v glue opposite sides. Oriented so that (d/du) x (d/dv) points outside.
 struct Grid {
   int nu = 20, nv = 20;
   bool wrap_u = false, wrap_v = false;
@@ -44,8 +44,9 @@ inline TriangleSoup torus(int nu, int nv, double R = 1, double r = 0.4) {
 }
 /// Open tube of radius r along z.
 inline TriangleSoup cylinder(int nu, int nv, double r = 1, double height = 2) {
-  return grid({nu, nv, true, false},
-              [=](double u, double v) { return Vector3(r * std::cos(2 * kPi * u), r * std::sin(2 * kPi * u), height * v); });
+  return grid({nu, nv, true, false}, [=](double u, double v) {
+    return Vector3(r * std::cos(2 * kPi * u), r * std::sin(2 * kPi * u), height * v);
+  });
 }
 /// A quarter of a cylinder: a developable rectangle.
 inline TriangleSoup cylinder_patch(int nu, int nv, double r = 1, double height = 1, double angle = kPi / 2) {

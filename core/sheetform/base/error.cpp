@@ -14,13 +14,20 @@ std::string joined(const std::string& what, const std::string& where, const std:
 
 const char* to_string(ErrorCode code) {
   switch (code) {
-    case ErrorCode::kInvalidParameter: return "invalid-parameter";
-    case ErrorCode::kUnreadableMesh: return "unreadable-mesh";
-    case ErrorCode::kUnsupportedMesh: return "unsupported-mesh";
-    case ErrorCode::kLimitExceeded: return "limit-exceeded";
-    case ErrorCode::kCancelled: return "cancelled";
-    case ErrorCode::kDeadlineExceeded: return "deadline-exceeded";
-    case ErrorCode::kInternal: return "internal";
+    case ErrorCode::kInvalidParameter:
+      return "invalid-parameter";
+    case ErrorCode::kUnreadableMesh:
+      return "unreadable-mesh";
+    case ErrorCode::kUnsupportedMesh:
+      return "unsupported-mesh";
+    case ErrorCode::kLimitExceeded:
+      return "limit-exceeded";
+    case ErrorCode::kCancelled:
+      return "cancelled";
+    case ErrorCode::kDeadlineExceeded:
+      return "deadline-exceeded";
+    case ErrorCode::kInternal:
+      return "internal";
   }
   return "internal";
 }

@@ -55,7 +55,8 @@ class Extractor {
     for (const Patch& patch : out_.patches)
       for (int f : patch.faces)
         for (int k = 0; k < 3; ++k)
-          if (net_.used(mesh_.face_edges[f][k])) mark_node(mesh_.faces[f][k]), mark_node(mesh_.faces[f][(k + 1) % 3]);
+          if (net_.used(mesh_.face_edges[f][k]))
+            mark_node(mesh_.faces[f][k]), mark_node(mesh_.faces[f][(k + 1) % 3]);
   }
 
   void mark_node(int v) {
@@ -125,8 +126,8 @@ class Extractor {
     return {v, e};
   }
 
-  // Where an arch starts does not depend on how it was found: at the end with the lower (vertex, edge), and a closed
-  // one without nodes at its lowest vertex, towards the lower neighbour.
+  // Where an arch starts does not depend on how it was found: at the end with the lower (vertex, edge), and a
+  // closed one without nodes at its lowest vertex, towards the lower neighbour.
   void trace_arch(int e) {
     auto a = run_to_end(e, mesh_.edges[e].v0), b = run_to_end(e, mesh_.edges[e].v1);
     if (a.first < 0) {
@@ -244,7 +245,8 @@ class Extractor {
     const bool disk = patch.loops == 1 && euler(patch) == 1;
     patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
     patch.key = mix(patch.faces.size(), static_cast<std::uint64_t>(patch.loops));
-    for (const ArchUse& use : patch.boundary) patch.key = mix(patch.key, out_.arches[use.arch].key * 2 + use.forward);
+    for (const ArchUse& use : patch.boundary)
+      patch.key = mix(patch.key, out_.arches[use.arch].key * 2 + use.forward);
   }
 
   // A patch may meet itself along a seam, never at a single vertex.
@@ -265,7 +267,8 @@ class Extractor {
     if (seam && !rules_.self_seams) return TopologyDefect::kSelfSeam;
     std::sort(visits.begin(), visits.end());
     for (std::size_t i = 0; i + 1 < visits.size(); ++i)
-      if (visits[i] == visits[i + 1] && !on_self_seam(patch, visits[i])) return TopologyDefect::kTouchesItself;
+      if (visits[i] == visits[i + 1] && !on_self_seam(patch, visits[i]))
+        return TopologyDefect::kTouchesItself;
     return TopologyDefect::kNone;
   }
 
@@ -297,7 +300,8 @@ PathNetwork bare_network(const SurfaceMesh& mesh) {
     if (mesh.edges[e].border()) network.edge_path[e] = 0;
   const std::vector<double> angles = vertex_angles(mesh);
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    network.pinned_node[v] = mesh.border_vertex[v] && (angles[v] < 126 * kDegree || angles[v] > 243 * kDegree);
+    network.pinned_node[v] =
+        mesh.border_vertex[v] && (angles[v] < 126 * kDegree || angles[v] > 243 * kDegree);
   return network;
 }
 
@@ -340,13 +344,14 @@ int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
   return degree;
 }
 
-PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
-                           const LayoutRules& rules) {
+PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
+                           const std::vector<int>& versions, const LayoutRules& rules) {
   return Extractor(mesh, network, versions, rules).run(nullptr);
 }
 
-PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
-                           const LayoutRules& rules, const std::vector<int>& faces) {
+PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,
+                           const std::vector<int>& versions, const LayoutRules& rules,
+                           const std::vector<int>& faces) {
   return Extractor(mesh, network, versions, rules).run(&faces);
 }
 

@@ -1,4 +1,5 @@
-// The network of paths on the mesh, and the layout it induces: nodes, arches, patches (paper 3.3, "topological conditions").
+// The network of paths on the mesh, and the layout it induces: nodes, arches, patches (paper 3.3,
+// "topological conditions").
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,11 +10,11 @@ namespace sheetform {
 
 /// Where a path comes from; decides what may be removed.
 enum class PathKind : char {
-  kBorder,  ///< the surface's border: always there
-  kCrease,  ///< sharp edges: arches from the start, removed last
-  kTraced,  ///< field-aligned loop or border-to-border path
-  kCut,     ///< a split of one patch: ends on other paths (T-junctions)
-  kSymmetry ///< on the symmetry plane
+  kBorder,   ///< the surface's border: always there
+  kCrease,   ///< sharp edges: arches from the start, removed last
+  kTraced,   ///< field-aligned loop or border-to-border path
+  kCut,      ///< a split of one patch: ends on other paths (T-junctions)
+  kSymmetry  ///< on the symmetry plane
 };
 
 /// Which path runs along each mesh edge. Path 0 is the surface's border.
@@ -21,7 +22,8 @@ struct PathNetwork {
   static constexpr int kFree = -1;
   std::vector<int> edge_path;   ///< per mesh edge: path id or kFree
   std::vector<PathKind> kinds;  ///< per path id
-  std::vector<char> pinned_node;  ///< per vertex: always a node (corners of the surface's border and of creases)
+  std::vector<char>
+      pinned_node;  ///< per vertex: always a node (corners of the surface's border and of creases)
 
   int add_path(PathKind kind) {
     kinds.push_back(kind);
@@ -43,12 +45,12 @@ int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v);
 struct Arch {
   static constexpr int kOutside = -1;  ///< no surface there
   static constexpr int kUnknown = -2;  ///< not part of the extracted region
-  std::vector<int> vertices;  ///< mesh vertices from node to node; a closed arch repeats its first
+  std::vector<int> vertices;           ///< mesh vertices from node to node; a closed arch repeats its first
   std::vector<int> edges;
   int path = -1;
   int left = -1, right = -1;  ///< patches on both sides of the walk; kOutside or kUnknown when there is none
   double length = 0;
-  std::uint64_t key = 0;      ///< of its geometry: same key = same vertices at the same versions
+  std::uint64_t key = 0;  ///< of its geometry: same key = same vertices at the same versions
   bool closed() const { return vertices.front() == vertices.back(); }
 };
 
@@ -60,12 +62,13 @@ struct ArchUse {
 enum class TopologyDefect : char { kNone, kNotADisk, kTouchesItself, kSelfSeam, kDangling };
 
 struct Patch {
-  std::vector<int> faces;         ///< ascending
-  std::vector<ArchUse> boundary;  ///< the loop of arches, counter-clockwise (of the first loop when it is no disk)
+  std::vector<int> faces;  ///< ascending
+  std::vector<ArchUse>
+      boundary;  ///< the loop of arches, counter-clockwise (of the first loop when it is no disk)
   int loops = 0;
   TopologyDefect defect = TopologyDefect::kNone;
   double area = 0;
-  std::uint64_t key = 0;          ///< equal keys = same patch, same boundary, same vertex versions
+  std::uint64_t key = 0;  ///< equal keys = same patch, same boundary, same vertex versions
 };
 
 struct PatchLayout {
@@ -80,14 +83,15 @@ struct LayoutRules {
   bool self_seams = true;  ///< a patch may be glued to itself along an arch
 };
 
-/// The part of the layout that covers these faces, which must be whole patches; arches and keys are those of the whole
-/// layout, patch ids are not. O(faces given) apart from clearing a few arrays.
-PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
-                           const LayoutRules& rules, const std::vector<int>& faces);
+/// The part of the layout that covers these faces, which must be whole patches; arches and keys are those of
+/// the whole layout, patch ids are not. O(faces given) apart from clearing a few arrays.
+PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,
+                           const std::vector<int>& versions, const LayoutRules& rules,
+                           const std::vector<int>& faces);
 
-/// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex, changes when
-/// the vertex has moved. O(faces).
-PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network, const std::vector<int>& versions,
-                           const LayoutRules& rules);
+/// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex,
+/// changes when the vertex has moved. O(faces).
+PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
+                           const std::vector<int>& versions, const LayoutRules& rules);
 
 }  // namespace sheetform

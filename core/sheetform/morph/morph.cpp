@@ -84,7 +84,8 @@ MorphResult morph(const MorphProblem& problem, const MorphParams& params) {
   const std::size_t n = problem.samples.size();
   std::vector<double> weight(n), error(n, 0);
   std::vector<Vector3> target(n);
-  for (std::size_t s = 0; s < n; ++s) weight[s] = problem.samples[s].weight, target[s] = problem.samples[s].target;
+  for (std::size_t s = 0; s < n; ++s)
+    weight[s] = problem.samples[s].weight, target[s] = problem.samples[s].target;
   MorphResult best;
   for (int round = 0; round <= params.rounds; ++round) {
     std::vector<Vector3> x = equations.solve(weight, target);

@@ -1,8 +1,10 @@
-// The reduced morph: the outline points of all patches move so that straight rulings between them fit the surface best.
+// The reduced morph: the outline points of all patches move so that straight rulings between them fit the
+// surface best.
 //
-// It is the paper's energy (3.3.2, eq. 1 to 5) with straightness and seams made exact: the unknowns are the arch points,
-// shared by both sides of a seam, and every ruling point is an affine combination of them (method.md 9.4). The smoothness
-// term acts on displacements, so that smooth arches are not shrunk (experiments.md Q4).
+// It is the paper's energy (3.3.2, eq. 1 to 5) with straightness and seams made exact: the unknowns are the
+// arch points, shared by both sides of a seam, and every ruling point is an affine combination of them
+// (method.md 9.4). The smoothness term acts on displacements, so that smooth arches are not shrunk
+// (experiments.md Q4).
 #pragma once
 #include <vector>
 
@@ -14,25 +16,27 @@ namespace sheetform {
 struct MorphSample {
   std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0
   std::array<double, 3> coefficient;
-  Vector3 target, normal;      ///< on the surface; unit normal there
-  double weight = 0;           ///< area that it stands for; 0 = only measured, not fitted
-  double slide = 1;            ///< share of MorphParams::slide that it is granted; 0 for points of the outline
-  bool covers = false;         ///< stands for the surface point: measured from there to the strips, not the other way
+  Vector3 target, normal;  ///< on the surface; unit normal there
+  double weight = 0;       ///< area that it stands for; 0 = only measured, not fitted
+  double slide = 1;        ///< share of MorphParams::slide that it is granted; 0 for points of the outline
+  bool covers =
+      false;  ///< stands for the surface point: measured from there to the strips, not the other way
   Vector3 at(const std::vector<Vector3>& x) const {
     return coefficient[0] * x[unknown[0]] + coefficient[1] * x[unknown[1]] + coefficient[2] * x[unknown[2]];
   }
 };
 
 struct MorphProblem {
-  std::vector<Vector3> rest;                ///< per unknown: its place on the surface
-  std::vector<double> anchor;               ///< per unknown: relative weight of staying at rest
-  std::vector<std::array<int, 3>> stencils; ///< consecutive unknowns along an arch: smoothness of the displacement
-  std::vector<std::array<int, 3>> bends;    ///< the same, absolute: keeps the arch itself smooth (small weight)
+  std::vector<Vector3> rest;   ///< per unknown: its place on the surface
+  std::vector<double> anchor;  ///< per unknown: relative weight of staying at rest
+  std::vector<std::array<int, 3>>
+      stencils;  ///< consecutive unknowns along an arch: smoothness of the displacement
+  std::vector<std::array<int, 3>> bends;  ///< the same, absolute: keeps the arch itself smooth (small weight)
   std::vector<MorphSample> samples;
 };
 
 struct MorphParams {
-  double smooth = 0.3;    ///< relative to the mean data weight of an unknown
+  double smooth = 0.3;  ///< relative to the mean data weight of an unknown
   double bend = 0.0;
   int rounds = 4;         ///< minimax reweightings (Lawson) after the least-squares solve
   double slide = 0.8;     ///< share of a sample's tangential offset that is forgiven between rounds
@@ -41,7 +45,7 @@ struct MorphParams {
 
 struct MorphResult {
   std::vector<Vector3> position;  ///< per unknown
-  double max_error = 0;           ///< largest |position - target| of the fitted samples, normal part (see slide)
+  double max_error = 0;  ///< largest |position - target| of the fitted samples, normal part (see slide)
 };
 
 /// Least squares, then minimax reweighting; the best iterate is returned. One sparse factorisation per round.

@@ -32,7 +32,8 @@ void cut_open(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& p
   corners.parent.resize(3 * n);
   std::iota(corners.parent.begin(), corners.parent.end(), 0);
   auto local_face = [&](int f) {
-    return static_cast<int>(std::lower_bound(patch.faces.begin(), patch.faces.end(), f) - patch.faces.begin());
+    return static_cast<int>(std::lower_bound(patch.faces.begin(), patch.faces.end(), f) -
+                            patch.faces.begin());
   };
   for (int i = 0; i < n; ++i) {
     const int f = patch.faces[i];
@@ -110,9 +111,11 @@ void tutte(const std::vector<RestTriangle>& rest, PatchChart& chart) {
   chart.uv.assign(n, Vector2::Zero());
   double area = 0;
   for (const auto& r : rest) area += r.area;
-  const double radius = std::sqrt(area / 3.14159265358979), step = 2 * 3.14159265358979 / static_cast<double>(loop.size());
+  const double radius = std::sqrt(area / 3.14159265358979),
+               step = 2 * 3.14159265358979 / static_cast<double>(loop.size());
   for (std::size_t i = 0; i < loop.size(); ++i)
-    chart.uv[loop[i]] = radius * Vector2(std::cos(step * static_cast<double>(i)), std::sin(step * static_cast<double>(i)));
+    chart.uv[loop[i]] =
+        radius * Vector2(std::cos(step * static_cast<double>(i)), std::sin(step * static_cast<double>(i)));
   std::vector<int> inner(n, -1);
   int m = 0;
   for (int v = 0; v < n; ++v)
@@ -217,7 +220,8 @@ void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
 
 }  // namespace
 
-PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const ChartParams& params) {
+PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                       const ChartParams& params) {
   PatchChart chart;
   cut_open(mesh, layout, patch, chart);
   const auto rest = rest_triangles(mesh, patch);

@@ -22,8 +22,9 @@ struct ChartParams {
   double stop = 5e-3;  ///< relative decrease of the energy
 };
 
-/// Tutte embedding on a circle, then local/global iterations (method.md 8.2). The patch must be a disk when cut open.
-/// Cost: one sparse factorisation each of n inner and n all vertices, n = vertices of the patch.
-PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const ChartParams& params);
+/// Tutte embedding on a circle, then local/global iterations (method.md 8.2). The patch must be a disk when
+/// cut open. Cost: one sparse factorisation each of n inner and n all vertices, n = vertices of the patch.
+PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                       const ChartParams& params);
 
 }  // namespace sheetform

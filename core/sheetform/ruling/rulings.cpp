@@ -80,14 +80,15 @@ class StripSearch {
       if (first < 0) first = triangle;
       last = triangle;
     }
-    if ((off > 0 && params_.keep_inside) || (forbidden_ != nullptr && (*forbidden_)(i, j))) return {static_cast<float>(kForbidden), 0};
+    if ((off > 0 && params_.keep_inside) || (forbidden_ != nullptr && (*forbidden_)(i, j)))
+      return {static_cast<float>(kForbidden), 0};
     ChordScore s;
     s.error = static_cast<float>(half_sagitta(d));
     const double relative = s.error / params_.e_max;
     const double cosine = first < 0 ? 1.0 : raster_.normal(first).dot(raster_.normal(last));
     const double twist2 = 2 * (1 - std::clamp(cosine, -1.0, 1.0));
-    s.cost = static_cast<float>(std::min(relative * relative * relative * relative, 1e4) + params_.twist_weight * twist2 +
-                                params_.align_weight * misaligned / kSamples);
+    s.cost = static_cast<float>(std::min(relative * relative * relative * relative, 1e4) +
+                                params_.twist_weight * twist2 + params_.align_weight * misaligned / kSamples);
     return s;
   }
 
@@ -104,9 +105,11 @@ class StripSearch {
   double triangle_cost(int i, int k, int j) {
     const Vector2 &a = polygon_.uv[i], &b = polygon_.uv[k], &c = polygon_.uv[j];
     const double area = cross(b - a, c - a) / 2;
-    const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+    const double longest =
+        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
     const double height = 2 * area / std::max(longest, 1e-300);
-    double cost = std::max(area, 0.0) / total_area_ * 0.5 * (score(i, k).cost + score(k, j).cost + score(j, i).cost);
+    double cost =
+        std::max(area, 0.0) / total_area_ * 0.5 * (score(i, k).cost + score(k, j).cost + score(j, i).cost);
     for (auto [x, y] : {std::pair{i, k}, std::pair{k, j}, std::pair{j, i}})
       if (score(x, y).cost >= kForbidden) cost += kForbidden;
     if (height < params_.min_height) {
@@ -175,7 +178,8 @@ class StripSearch {
         if (n < 2 && (v == y[0] || v == y[1] || v == y[2])) shared[n++] = v;
       const double area = (area_of(x) + area_of(y)) / 2;
       set.chords.push_back({shared[0], shared[1], std::max(area, 0.0)});
-      set.predicted_error = std::max(set.predicted_error, static_cast<double>(score(shared[0], shared[1]).error));
+      set.predicted_error =
+          std::max(set.predicted_error, static_cast<double>(score(shared[0], shared[1]).error));
     }
   }
 
@@ -210,8 +214,10 @@ SurfaceGuide surface_guide(const SurfaceMesh& mesh, const CurvatureField& curvat
     for (int v : mesh.faces[f]) {
       const double big = std::abs(curvature.k_max[v]), small = std::abs(curvature.k_min[v]);
       if (big <= 0) continue;
-      // The direction counts from |k_max| of 1/diagonal on and for |k_min| below |k_max| / 2 (the judge's own limits).
-      const double s = std::min(1.0, big * diagonal / 1.5) * std::clamp(1.6 * (1 - small / big) - 0.5, 0.0, 1.0);
+      // The direction counts from |k_max| of 1/diagonal on and for |k_min| below |k_max| / 2 (the judge's own
+      // limits).
+      const double s =
+          std::min(1.0, big * diagonal / 1.5) * std::clamp(1.6 * (1 - small / big) - 0.5, 0.0, 1.0);
       tensor += s * curvature.dir_min[v] * curvature.dir_min[v].transpose();
       sum += s / 3;
     }
@@ -230,7 +236,8 @@ SurfaceGuide surface_guide(const SurfaceMesh& mesh, const CurvatureField& curvat
 
 std::vector<double> sample_arch(const SurfaceMesh& mesh, const Arch& arch, double spacing) {
   std::vector<double> length(arch.edges.size() + 1, 0);
-  for (std::size_t i = 0; i < arch.edges.size(); ++i) length[i + 1] = length[i] + mesh.edge_length(arch.edges[i]);
+  for (std::size_t i = 0; i < arch.edges.size(); ++i)
+    length[i + 1] = length[i] + mesh.edge_length(arch.edges[i]);
   const int least = arch.closed() ? 6 : 2;
   const int segments = std::max(least, static_cast<int>(std::lround(length.back() / spacing)));
   std::vector<double> at{0};
@@ -251,8 +258,8 @@ Vector3 arch_point(const SurfaceMesh& mesh, const Arch& arch, double at) {
   return (1 - t) * mesh.points[arch.vertices[i]] + t * mesh.points[arch.vertices[i + 1]];
 }
 
-PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const PatchChart& chart,
-                           const std::vector<std::vector<double>>& arch_samples) {
+PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                           const PatchChart& chart, const std::vector<std::vector<double>>& arch_samples) {
   PatchPolygon polygon;
   for (std::size_t u = 0; u < patch.boundary.size(); ++u) {
     const ArchUse& use = patch.boundary[u];
@@ -274,13 +281,14 @@ PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, c
   return polygon;
 }
 
-ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, const Patch& patch, const PatchChart& chart,
-                         int cells) {
+ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, const Patch& patch,
+                         const PatchChart& chart, int cells) {
   Vector2 high = Vector2::Constant(-1e300);
   low_ = Vector2::Constant(1e300);
   for (const Vector2& u : chart.uv) low_ = low_.cwiseMin(u), high = high.cwiseMax(u);
   const Vector2 extent = (high - low_).cwiseMax(1e-9);
-  cell_ = std::max(std::sqrt(extent.x() * extent.y() / cells), std::max(extent.x(), extent.y()) / (4.0 * std::sqrt(cells)));
+  cell_ = std::max(std::sqrt(extent.x() * extent.y() / cells),
+                   std::max(extent.x(), extent.y()) / (4.0 * std::sqrt(cells)));
   low_ -= Vector2::Constant(2 * cell_);
   columns_ = static_cast<int>(extent.x() / cell_) + 5;
   rows_ = static_cast<int>(extent.y() / cell_) + 5;
@@ -310,8 +318,10 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
     // Mark the cells whose centre the triangle covers.
     const Vector2 a = map.uv, b = chart.uv[t[1]], c = chart.uv[t[2]];
     const Vector2 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
-    const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) / cell_ - 0.5)), x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) / cell_ + 0.5));
-    const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) / cell_ - 0.5)), y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) / cell_ + 0.5));
+    const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) / cell_ - 0.5)),
+              x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) / cell_ + 0.5));
+    const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) / cell_ - 0.5)),
+              y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) / cell_ + 0.5));
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const Vector2 p = low_ + cell_ * Vector2(x + 0.5, y + 0.5);
@@ -334,7 +344,8 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
 }
 
 int ChartRaster::cell_of(const Vector2& u) const {
-  const int x = static_cast<int>((u.x() - low_.x()) / cell_), y = static_cast<int>((u.y() - low_.y()) / cell_);
+  const int x = static_cast<int>((u.x() - low_.x()) / cell_),
+            y = static_cast<int>((u.y() - low_.y()) / cell_);
   if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return -1;
   return y * columns_ + x;
 }

@@ -1,10 +1,12 @@
-// Straight rulings of one patch: the best triangulation of its outline without inner points (paper 3.3.1 and 3.5).
+// Straight rulings of one patch: the best triangulation of its outline without inner points (paper 3.3.1
+// and 3.5).
 //
-// The paper picks one of a few families of lines between opposite sides, morphs, and triangulates afterwards. Here
-// the outline is sampled once, every chord between two samples is scored by what the morph would have to pay for it,
-// and dynamic programming finds the best strip of triangles over all starts, ends and monotone pairings at once. All
-// families of the paper (side to side, side to corner, corner fans) are among the strips searched, and the search
-// model is the final mesh, so nothing is re-cut afterwards. O(m^2) chords for m outline points.
+// The paper picks one of a few families of lines between opposite sides, morphs, and triangulates afterwards.
+// Here the outline is sampled once, every chord between two samples is scored by what the morph would have to
+// pay for it, and dynamic programming finds the best strip of triangles over all starts, ends and monotone
+// pairings at once. All families of the paper (side to side, side to corner, corner fans) are among the
+// strips searched, and the search model is the final mesh, so nothing is re-cut afterwards. O(m^2) chords for
+// m outline points.
 #pragma once
 #include <functional>
 #include <vector>
@@ -22,8 +24,8 @@ struct SurfaceGuide {
 };
 SurfaceGuide surface_guide(const SurfaceMesh& mesh, const CurvatureField& curvature);
 
-/// Samples along an arch, as coordinates edge index + fraction; first 0, last edges.size(). At least 2 segments, 3 when
-/// the arch is closed.
+/// Samples along an arch, as coordinates edge index + fraction; first 0, last edges.size(). At least 2
+/// segments, 3 when the arch is closed.
 std::vector<double> sample_arch(const SurfaceMesh& mesh, const Arch& arch, double spacing);
 Vector3 arch_point(const SurfaceMesh& mesh, const Arch& arch, double at);
 
@@ -34,19 +36,20 @@ struct PatchPolygon {
     int sample;  ///< index into the samples of that arch
   };
   std::vector<Vector2> uv;
-  std::vector<Vector3> point;   ///< on the surface
+  std::vector<Vector3> point;  ///< on the surface
   std::vector<Origin> origin;
-  std::vector<char> node;       ///< the point is a node of the network
+  std::vector<char> node;  ///< the point is a node of the network
   int size() const { return static_cast<int>(uv.size()); }
 };
-PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const PatchChart& chart,
-                           const std::vector<std::vector<double>>& arch_samples);
+PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                           const PatchChart& chart, const std::vector<std::vector<double>>& arch_samples);
 
-/// Point location in a chart by a grid of cells: O(1) a query, exact inside a triangle, linear extrapolation just
-/// outside of the outline.
+/// Point location in a chart by a grid of cells: O(1) a query, exact inside a triangle, linear extrapolation
+/// just outside of the outline.
 class ChartRaster {
  public:
-  ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, const Patch& patch, const PatchChart& chart, int cells);
+  ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, const Patch& patch, const PatchChart& chart,
+              int cells);
   /// Local triangle under or near u, -1 when u is off the patch by more than about a cell.
   int triangle_at(const Vector2& u) const;
   Vector3 lift(int triangle, const Vector2& u) const {
@@ -76,11 +79,12 @@ class ChartRaster {
 };
 
 struct RulingParams {
-  double e_max = 0.02;         ///< length at which an error counts as 1
-  double twist_weight = 0.2;   ///< per squared radian between the normals at both ends of a ruling
-  double align_weight = 0.5;   ///< per unit of sin^2 to the direction of least curvature where that is pronounced
-  double min_height = 1e-3;    ///< flat triangles lower than this are avoided
-  bool keep_inside = true;     ///< chords that leave the raster of the patch are forbidden
+  double e_max = 0.02;        ///< length at which an error counts as 1
+  double twist_weight = 0.2;  ///< per squared radian between the normals at both ends of a ruling
+  double align_weight =
+      0.5;  ///< per unit of sin^2 to the direction of least curvature where that is pronounced
+  double min_height = 1e-3;  ///< flat triangles lower than this are avoided
+  bool keep_inside = true;   ///< chords that leave the raster of the patch are forbidden
 };
 
 /// A triangulation of the polygon by a strip.

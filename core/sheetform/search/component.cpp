@@ -29,8 +29,8 @@ class Laps {
 // The layout as strips, and what is still wrong with it.
 struct Attempt {
   StripMesh strips;
-  std::vector<int> invalid;        // patches that break a strict promise
-  std::vector<int> too_far;        // valid patches beyond the tolerance
+  std::vector<int> invalid;  // patches that break a strict promise
+  std::vector<int> too_far;  // valid patches beyond the tolerance
   double distance = 0;
   bool good() const { return invalid.empty() && too_far.empty(); }
 };
@@ -38,14 +38,19 @@ struct Attempt {
 class ComponentRun {
  public:
   ComponentRun(const ComponentInput& input, const ComponentParams& params, RunContext& context)
-      : input_(input), params_(params), context_(context), tree_(input.reference.points, input.reference.faces), laps_(result_.seconds) {}
+      : input_(input),
+        params_(params),
+        context_(context),
+        tree_(input.reference.points, input.reference.faces),
+        laps_(result_.seconds) {}
 
   ComponentResult run() {
     const SurfaceMesh& mesh = input_.prepared.mesh;
     const auto& crease = input_.prepared.crease_edge;
     context_.report(Stage::kField, 0);
     const CurvatureField curvature = principal_curvature(mesh, crease, {}, context_);
-    const CrossField field = cross_field(mesh, crease, curvature, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+    const CrossField field =
+        cross_field(mesh, crease, curvature, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     laps_.lap(Stage::kField);
     context_.report(Stage::kTrace, 0);
     const TracingGraph graph = tracing_graph(mesh, crease, field, {}, context_);
@@ -85,7 +90,8 @@ class ComponentRun {
       const ClosestPoint hit = working.closest(p);
       if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
     }
-    std::stable_sort(details.begin(), details.end(), [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; });
+    std::stable_sort(details.begin(), details.end(),
+                     [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; });
     return details;
   }
 
@@ -111,7 +117,8 @@ class ComponentRun {
       const Attempt attempt = build_best(search);
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
-        if (!have_best || attempt.distance < best) result_.strips = attempt.strips, result_.distance = best = attempt.distance;
+        if (!have_best || attempt.distance < best)
+          result_.strips = attempt.strips, result_.distance = best = attempt.distance;
         have_best = true;
         if (attempt.too_far.empty() || round >= 30) return;
         search.reject(attempt.too_far);
@@ -127,9 +134,12 @@ class ComponentRun {
   // Fine outlines bend more smoothly; coarser ones, as the search had them, when those do not fit.
   Attempt build_best(LayoutSearch& search) {
     Attempt best = build(search, params_.fine_spacing);
-    for (double spacing = 1.4 * params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
+    for (double spacing = 1.4 * params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good();
+         spacing *= 1.4) {
       Attempt other = build(search, spacing);
-      const auto rank = [](const Attempt& a) { return std::make_tuple(a.invalid.size(), a.too_far.size(), a.distance); };
+      const auto rank = [](const Attempt& a) {
+        return std::make_tuple(a.invalid.size(), a.too_far.size(), a.distance);
+      };
       if (rank(other) < rank(best)) best = std::move(other);
     }
     return best;
@@ -166,7 +176,8 @@ class ComponentRun {
 
 }  // namespace
 
-ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params, RunContext& context) {
+ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
+                                    RunContext& context) {
   return ComponentRun(input, params, context).run();
 }
 

@@ -13,27 +13,28 @@ namespace sheetform {
 /// What the search works on; lengths are in bounding-box diagonals of the whole input.
 struct ComponentInput {
   PreparedMesh prepared;
-  TriangleSoup reference;        ///< the untouched input surface of this component
-  std::vector<Vector3> guide;    ///< cross directions given by the user, per prepared vertex; empty = none
+  TriangleSoup reference;      ///< the untouched input surface of this component
+  std::vector<Vector3> guide;  ///< cross directions given by the user, per prepared vertex; empty = none
 };
 
 struct ComponentParams {
-  EvaluationParams evaluation;   ///< e_max is the promised tolerance here
-  int seeds = 200;               ///< interior seeds of candidate paths
-  int improvements = 20;         ///< tries of the local search
-  double fine_spacing = 0.015;   ///< outline samples of the result
-  double margin = 0.95;          ///< the search aims at this share of e_max
+  EvaluationParams evaluation;  ///< e_max is the promised tolerance here
+  int seeds = 200;              ///< interior seeds of candidate paths
+  int improvements = 20;        ///< tries of the local search
+  double fine_spacing = 0.015;  ///< outline samples of the result
+  double margin = 0.95;         ///< the search aims at this share of e_max
   std::uint64_t seed = 0;
 };
 
 struct ComponentResult {
   StripMesh strips;
-  double distance = 0;               ///< two-sided, as measured
-  std::vector<std::string> notes;    ///< for people
+  double distance = 0;                    ///< two-sided, as measured
+  std::vector<std::string> notes;         ///< for people
   std::map<std::string, double> seconds;  ///< by stage
 };
 
 /// Always returns valid strips: what cannot be kept is split until it can. Throws only as the context does.
-ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params, RunContext& context);
+ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
+                                    RunContext& context);
 
 }  // namespace sheetform

@@ -23,10 +23,10 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
   return {1 - v - w, v, w};
 }
 
-// Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one path.
-// Directions are taken over `reach` on either side, so that the answer does not depend on the sampling.
-std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon, double reach, double turn,
-                              bool every_node) {
+// Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one
+// path. Directions are taken over `reach` on either side, so that the answer does not depend on the sampling.
+std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon,
+                              double reach, double turn, bool every_node) {
   std::vector<int> corners;
   const int n = polygon.size();
   const auto away = [&](int i, int step) {
@@ -47,7 +47,8 @@ std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, con
 }
 
 // Which strip triangle covers each cell of the chart's raster.
-std::vector<int> strip_cells(const ChartRaster& raster, const PatchPolygon& polygon, const RulingSet& rulings) {
+std::vector<int> strip_cells(const ChartRaster& raster, const PatchPolygon& polygon,
+                             const RulingSet& rulings) {
   std::vector<int> cells(static_cast<std::size_t>(raster.columns()) * raster.rows(), -1);
   const double step = raster.cell() * 0.7;
   for (std::size_t t = 0; t < rulings.triangles.size(); ++t) {
@@ -102,9 +103,10 @@ void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
   for (int i = 0; i < e.polygon.size(); ++i) add(i, i, 0, 0.02 * area / e.polygon.size());
 }
 
-// Every vertex of the patch, and every point that the working mesh misses, against the strip triangle above it: bulges
-// and tips outside of all rulings are seen.
-void coverage_samples(const SearchSurface& surface, const Patch& patch, const ChartRaster& raster, PatchEvaluation& e) {
+// Every vertex of the patch, and every point that the working mesh misses, against the strip triangle above
+// it: bulges and tips outside of all rulings are seen.
+void coverage_samples(const SearchSurface& surface, const Patch& patch, const ChartRaster& raster,
+                      PatchEvaluation& e) {
   const auto cells = strip_cells(raster, e.polygon, e.rulings);
   const PatchChart& chart = *e.chart;
   const auto add = [&](const Vector2& u, const Vector3& target, const Vector3& normal, double weight) {
@@ -129,16 +131,19 @@ void coverage_samples(const SearchSurface& surface, const Patch& patch, const Ch
   auto detail = surface.details.begin();
   for (std::size_t i = 0; i < patch.faces.size(); ++i) {
     const int f = patch.faces[i];
-    detail = std::lower_bound(detail, surface.details.end(), f, [](const DetailPoint& d, int face) { return d.face < face; });
+    detail = std::lower_bound(detail, surface.details.end(), f,
+                              [](const DetailPoint& d, int face) { return d.face < face; });
     for (auto d = detail; d != surface.details.end() && d->face == f; ++d) {
       const auto& t = chart.triangles[i];
-      const Vector2 u = d->barycentric[0] * chart.uv[t[0]] + d->barycentric[1] * chart.uv[t[1]] + d->barycentric[2] * chart.uv[t[2]];
+      const Vector2 u = d->barycentric[0] * chart.uv[t[0]] + d->barycentric[1] * chart.uv[t[1]] +
+                        d->barycentric[2] * chart.uv[t[2]];
       add(u, d->point, surface.guide.normal[f], 2e-3 * patch.area);
     }
   }
 }
 
-std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const PatchPolygon::Origin& origin, int samples) {
+std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const PatchPolygon::Origin& origin,
+                        int samples) {
   const int a = patch.boundary[origin.use].arch;
   const Arch& arch = layout.arches[a];
   if (origin.sample == 0) return (1ull << 63) | static_cast<unsigned>(arch.vertices.front());
@@ -146,7 +151,9 @@ std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const Pat
   return (static_cast<std::uint64_t>(a) << 32) | static_cast<unsigned>(origin.sample);
 }
 
-double anchor_weight(const Arch& arch) { return arch.right == Arch::kOutside || arch.left == Arch::kOutside ? 0.3 : 0.02; }
+double anchor_weight(const Arch& arch) {
+  return arch.right == Arch::kOutside || arch.left == Arch::kOutside ? 0.3 : 0.02;
+}
 
 // Consecutive points of the same arch around polygon point i, or false.
 bool inside_arch(const PatchPolygon& polygon, int i) { return !polygon.node[i]; }
@@ -219,17 +226,20 @@ double point_triangle2(const Vector3& p, const Vector3& a, const Vector3& b, con
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
   const double sum = va + vb + vc;
   return (ap - ab * (vb / sum) - ac * (vc / sum)).squaredNorm();
 }
 
 // From a surface point to the strips of its patch.
-double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& triangles, const std::vector<Vector3>& position) {
+double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& triangles,
+                 const std::vector<Vector3>& position) {
   const int n = static_cast<int>(triangles.size());
   double best = (s.at(position) - s.target).squaredNorm();
   for (int t = 0; t < n; ++t)
-    best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]], position[triangles[t][2]]));
+    best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]],
+                                          position[triangles[t][2]]));
   return std::sqrt(best);
 }
 
@@ -237,20 +247,29 @@ double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& tr
 
 const char* to_string(PatchVerdict verdict) {
   switch (verdict) {
-    case PatchVerdict::kViable: return "viable";
-    case PatchVerdict::kNotADisk: return "not a disk";
-    case PatchVerdict::kTouches: return "touches itself";
-    case PatchVerdict::kTooManySides: return "too many sides";
-    case PatchVerdict::kFolded: return "folded chart";
-    case PatchVerdict::kNoRulings: return "no rulings";
-    case PatchVerdict::kOverlap: return "overlaps when flat";
-    case PatchVerdict::kError: return "error above tolerance";
+    case PatchVerdict::kViable:
+      return "viable";
+    case PatchVerdict::kNotADisk:
+      return "not a disk";
+    case PatchVerdict::kTouches:
+      return "touches itself";
+    case PatchVerdict::kTooManySides:
+      return "too many sides";
+    case PatchVerdict::kFolded:
+      return "folded chart";
+    case PatchVerdict::kNoRulings:
+      return "no rulings";
+    case PatchVerdict::kOverlap:
+      return "overlaps when flat";
+    case PatchVerdict::kError:
+      return "error above tolerance";
   }
   return "";
 }
 
 double patch_error(const std::vector<MorphSample>& samples, const std::vector<std::array<int, 3>>& triangles,
-                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, const MorphSample** worst_sample) {
+                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit,
+                   const MorphSample** worst_sample) {
   double worst = 0;
   for (const MorphSample& s : samples) {
     const Vector3 x = s.at(position);
@@ -301,8 +320,8 @@ std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(con
   return all;
 }
 
-std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayout& layout, const Patch& patch,
-                                                                const std::function<bool(int, int)>* forbidden) const {
+std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
+    const PatchLayout& layout, const Patch& patch, const std::function<bool(int, int)>* forbidden) const {
   auto e = std::make_shared<PatchEvaluation>();
   if (patch.defect != TopologyDefect::kNone) {
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
@@ -312,10 +331,13 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   e->chart = chart;
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
-    if (samples[use.arch].empty()) samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
+    if (samples[use.arch].empty())
+      samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
-  e->corners = find_corners(layout, patch, e->polygon, params_.corner_reach, params_.corner_turn, !params_.t_junctions);
-  if (static_cast<int>(e->corners.size()) > params_.max_sides) return e->verdict = PatchVerdict::kTooManySides, e;
+  e->corners = find_corners(layout, patch, e->polygon, params_.corner_reach, params_.corner_turn,
+                            !params_.t_junctions);
+  if (static_cast<int>(e->corners.size()) > params_.max_sides)
+    return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
   RulingParams ruling = params_.ruling;
@@ -336,7 +358,9 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   const int n = e->polygon.size();
   std::vector<std::pair<std::uint64_t, int>> keys(n);
   for (int i = 0; i < n; ++i)
-    keys[i] = {point_key(layout, patch, e->polygon.origin[i], static_cast<int>(samples[patch.boundary[e->polygon.origin[i].use].arch].size())), i};
+    keys[i] = {point_key(layout, patch, e->polygon.origin[i],
+                         static_cast<int>(samples[patch.boundary[e->polygon.origin[i].use].arch].size())),
+               i};
   std::sort(keys.begin(), keys.end());
   std::vector<int> unknown(n, -1);
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -347,7 +371,8 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
     unknown[keys[i].second] = static_cast<int>(problem.rest.size()) - 1;
   }
   for (int i = 0; i < n; ++i)
-    if (inside_arch(e->polygon, i)) problem.stencils.push_back({unknown[(i + n - 1) % n], unknown[i], unknown[(i + 1) % n]});
+    if (inside_arch(e->polygon, i))
+      problem.stencils.push_back({unknown[(i + n - 1) % n], unknown[i], unknown[(i + 1) % n]});
   problem.samples = e->samples;
   for (MorphSample& s : problem.samples)
     for (int& u : s.unknown) u = unknown[u];
@@ -357,35 +382,40 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(const PatchLayou
   std::vector<Vector3> position(n);
   for (int i = 0; i < n; ++i) position[i] = result.position[unknown[i]];
   const MorphSample* worst = nullptr;
-  e->error = patch_error(e->samples, e->rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &worst);
+  e->error =
+      patch_error(e->samples, e->rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &worst);
   if (worst != nullptr)
     for (int k = 0; k < 3; ++k) e->worst += worst->coefficient[k] * e->polygon.uv[worst->unknown[k]];
-  if (!simple_outline(unfold(position, e->rulings.triangles), 1e-7)) return e->verdict = PatchVerdict::kOverlap, e;
+  if (!simple_outline(unfold(position, e->rulings.triangles), 1e-7))
+    return e->verdict = PatchVerdict::kOverlap, e;
   e->verdict = e->error > params_.e_max ? PatchVerdict::kError : PatchVerdict::kViable;
   return e;
 }
 
-std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch_avoiding(const PatchLayout& layout, int p,
-                                                                       const std::function<bool(int, int)>& forbidden) const {
+std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch_avoiding(
+    const PatchLayout& layout, int p, const std::function<bool(int, int)>& forbidden) const {
   return compute(layout, layout.patches[p], &forbidden);
 }
 
-LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
+LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout,
+                                        std::vector<std::shared_ptr<const PatchEvaluation>> patches,
                                         int rounds) {
   std::vector<int> all(layout.patches.size());
   std::iota(all.begin(), all.end(), 0);
   return morph_patches(layout, std::move(patches), all, nullptr, rounds);
 }
 
-LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& layout, const std::vector<int>& region, const ArchPlaces& places,
-                                               int rounds) {
+LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& layout, const std::vector<int>& region,
+                                               const ArchPlaces& places, int rounds) {
   std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(layout.patches.size());
   for (int p : region) evaluations[p] = patch(layout, p);
   return morph_patches(layout, std::move(evaluations), region, &places, rounds);
 }
 
-LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
-                                                const std::vector<int>& region, const ArchPlaces* places, int rounds) {
+LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
+                                                std::vector<std::shared_ptr<const PatchEvaluation>> patches,
+                                                const std::vector<int>& region, const ArchPlaces* places,
+                                                int rounds) {
   LayoutEvaluation out;
   out.patches = std::move(patches);
   out.patch_error.assign(layout.patches.size(), 0);
@@ -409,7 +439,8 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::
     auto& ids = out.unknowns[p];
     ids.resize(e.polygon.size());
     for (int i = 0; i < e.polygon.size(); ++i)
-      ids[i] = unknowns.of(layout.patches[p].boundary[e.polygon.origin[i].use].arch)[e.polygon.origin[i].sample];
+      ids[i] =
+          unknowns.of(layout.patches[p].boundary[e.polygon.origin[i].use].arch)[e.polygon.origin[i].sample];
     for (MorphSample s : e.samples) {
       if (s.weight <= 0) continue;
       for (int& u : s.unknown) u = ids[u];
@@ -426,12 +457,14 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout, std::
     const PatchEvaluation& e = *out.patches[p];
     std::vector<Vector3> position(e.polygon.size());
     for (int k = 0; k < e.polygon.size(); ++k) position[k] = out.position[out.unknowns[p][k]];
-    out.patch_error[p] = patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, nullptr);
+    out.patch_error[p] =
+        patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, nullptr);
   });
   for (int p : region) {
     out.max_error = std::max(out.max_error, out.patch_error[p]);
     const PatchVerdict v = out.patches[p]->verdict;
-    out.failing += (v != PatchVerdict::kViable && v != PatchVerdict::kError) || out.patch_error[p] > params_.e_max;
+    out.failing +=
+        (v != PatchVerdict::kViable && v != PatchVerdict::kError) || out.patch_error[p] > params_.e_max;
   }
   return out;
 }

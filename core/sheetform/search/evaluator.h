@@ -15,7 +15,8 @@
 
 namespace sheetform {
 
-/// A point of the input that the working mesh misses by more than a little, and the face of the working mesh below.
+/// A point of the input that the working mesh misses by more than a little, and the face of the working mesh
+/// below.
 struct DetailPoint {
   Vector3 point;
   Vector3 barycentric;
@@ -44,7 +45,16 @@ struct EvaluationParams {
   MorphParams morph;
 };
 
-enum class PatchVerdict : char { kViable, kNotADisk, kTouches, kTooManySides, kFolded, kNoRulings, kOverlap, kError };
+enum class PatchVerdict : char {
+  kViable,
+  kNotADisk,
+  kTouches,
+  kTooManySides,
+  kFolded,
+  kNoRulings,
+  kOverlap,
+  kError
+};
 const char* to_string(PatchVerdict verdict);
 
 /// All that is known of one patch alone; cached by Patch::key.
@@ -52,7 +62,7 @@ struct PatchEvaluation {
   PatchVerdict verdict = PatchVerdict::kNotADisk;
   std::shared_ptr<const PatchChart> chart;
   PatchPolygon polygon;
-  std::vector<int> corners;          ///< polygon points
+  std::vector<int> corners;  ///< polygon points
   RulingSet rulings;
   std::vector<MorphSample> samples;  ///< unknown = polygon point
   double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout
@@ -66,12 +76,12 @@ using ArchPlaces = std::unordered_map<std::uint64_t, std::vector<Vector3>>;
 /// A layout, or a part of it, after the morph. Entries of patches that were not asked for are empty.
 struct LayoutEvaluation {
   std::vector<std::shared_ptr<const PatchEvaluation>> patches;
-  std::vector<double> patch_error;      ///< after the global morph
-  std::vector<std::vector<int>> unknowns;  ///< per patch: polygon point -> unknown
+  std::vector<double> patch_error;              ///< after the global morph
+  std::vector<std::vector<int>> unknowns;       ///< per patch: polygon point -> unknown
   std::vector<std::vector<int>> arch_unknowns;  ///< per arch: its points from node to node
-  std::vector<Vector3> position;        ///< per unknown
+  std::vector<Vector3> position;                ///< per unknown
   double max_error = 0;
-  int failing = 0;                      ///< patches that are not viable or exceed e_max
+  int failing = 0;  ///< patches that are not viable or exceed e_max
 };
 
 /// Evaluates layouts of one surface; remembers every patch that it has seen. Thread-safe for patch().
@@ -90,16 +100,21 @@ class LayoutEvaluator {
   std::shared_ptr<const PatchEvaluation> patch_avoiding(const PatchLayout& layout, int p,
                                                         const std::function<bool(int, int)>& forbidden) const;
   /// Global morph of the patches that have rulings; per-patch errors. `rounds`: minimax reweightings.
-  LayoutEvaluation layout(const PatchLayout& layout, int rounds) { return solve(layout, patches(layout), rounds); }
-  LayoutEvaluation solve(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds);
-  /// Morph of these patches alone; arches to other patches stay at `places` (on the surface when unknown). Patches that
-  /// are not listed are not evaluated. Cost grows with the listed patches only.
-  LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region, const ArchPlaces& places, int rounds);
+  LayoutEvaluation layout(const PatchLayout& layout, int rounds) {
+    return solve(layout, patches(layout), rounds);
+  }
+  LayoutEvaluation solve(const PatchLayout& layout,
+                         std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds);
+  /// Morph of these patches alone; arches to other patches stay at `places` (on the surface when unknown).
+  /// Patches that are not listed are not evaluated. Cost grows with the listed patches only.
+  LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region,
+                                const ArchPlaces& places, int rounds);
   int evaluations() const { return evaluations_; }
   int hits() const { return hits_; }
 
  private:
-  LayoutEvaluation morph_patches(const PatchLayout& layout, std::vector<std::shared_ptr<const PatchEvaluation>> patches,
+  LayoutEvaluation morph_patches(const PatchLayout& layout,
+                                 std::vector<std::shared_ptr<const PatchEvaluation>> patches,
                                  const std::vector<int>& region, const ArchPlaces* places, int rounds);
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  const std::function<bool(int, int)>* forbidden) const;
@@ -111,9 +126,10 @@ class LayoutEvaluator {
   int evaluations_ = 0, hits_ = 0;
 };
 
-/// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it displacement is
-/// taken for distance. worst_sample: where.
+/// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it
+/// displacement is taken for distance. worst_sample: where.
 double patch_error(const std::vector<MorphSample>& samples, const std::vector<std::array<int, 3>>& triangles,
-                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit, const MorphSample** worst_sample);
+                   const std::vector<Vector3>& position, const ClosestPointTree& input, double limit,
+                   const MorphSample** worst_sample);
 
 }  // namespace sheetform

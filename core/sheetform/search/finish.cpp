@@ -12,8 +12,8 @@ namespace {
 using Pair = std::pair<int, int>;
 Pair ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-// Chords must be edges of their own: not an arch edge, not the chord of another patch (or of the other side of a seam),
-// or three faces would meet there.
+// Chords must be edges of their own: not an arch edge, not the chord of another patch (or of the other side
+// of a seam), or three faces would meet there.
 class ChordBook {
  public:
   explicit ChordBook(const LayoutEvaluation& e) {
@@ -39,7 +39,8 @@ class ChordBook {
 bool has_strips(const PatchEvaluation& e) { return !e.rulings.triangles.empty() && e.rulings.found; }
 
 // Makes the chords of all patches distinct; true when a patch changed.
-bool make_distinct(LayoutEvaluator& evaluator, const PatchLayout& layout, LayoutEvaluation& e, std::vector<char>& hopeless) {
+bool make_distinct(LayoutEvaluator& evaluator, const PatchLayout& layout, LayoutEvaluation& e,
+                   std::vector<char>& hopeless) {
   ChordBook book(e);
   bool changed = false;
   for (std::size_t p = 0; p < e.patches.size(); ++p) {
@@ -63,7 +64,8 @@ bool make_distinct(LayoutEvaluator& evaluator, const PatchLayout& layout, Layout
   return changed;
 }
 
-StripSource::Patch strip_patch(const PatchLayout& layout, int p, const PatchEvaluation& e, const std::vector<int>& unknowns) {
+StripSource::Patch strip_patch(const PatchLayout& layout, int p, const PatchEvaluation& e,
+                               const std::vector<int>& unknowns) {
   StripSource::Patch patch;
   patch.outline = unknowns;
   patch.triangles = e.rulings.triangles;
@@ -81,12 +83,14 @@ bool flat_layout_valid(const StripSource& source, const StripSource::Patch& patc
 
 }  // namespace
 
-FinishedLayout finish_layout(const SearchSurface& surface, const PathNetwork& network, const PatchLayout& layout,
-                             const EvaluationParams& evaluation, int rounds, RunContext& context) {
+FinishedLayout finish_layout(const SearchSurface& surface, const PathNetwork& network,
+                             const PatchLayout& layout, const EvaluationParams& evaluation, int rounds,
+                             RunContext& context) {
   LayoutEvaluator evaluator(surface, evaluation, context);
   LayoutEvaluation e = evaluator.layout(layout, rounds);
   std::vector<char> hopeless(layout.patches.size(), 0);
-  if (make_distinct(evaluator, layout, e, hopeless)) e = evaluator.solve(layout, std::move(e.patches), rounds);
+  if (make_distinct(evaluator, layout, e, hopeless))
+    e = evaluator.solve(layout, std::move(e.patches), rounds);
   FinishedLayout out;
   out.source.points = e.position;
   out.patch_error = e.patch_error;
@@ -106,7 +110,8 @@ FinishedLayout finish_layout(const SearchSurface& surface, const PathNetwork& ne
     const Arch& arch = layout.arches[a];
     int left = arch.left, right = arch.right;
     if (left < 0) std::swap(left, right);
-    out.source.arches.push_back({e.arch_unknowns[a], {left, right}, network.kinds[arch.path] == PathKind::kCrease});
+    out.source.arches.push_back(
+        {e.arch_unknowns[a], {left, right}, network.kinds[arch.path] == PathKind::kCrease});
   }
   return out;
 }

@@ -10,12 +10,14 @@
 namespace sheetform {
 namespace {
 
-std::uint64_t combine(std::uint64_t a, std::uint64_t b) { return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull; }
+std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
+  return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
+}
 
 }  // namespace
 
-LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph, std::vector<Path> candidates,
-                           const SearchParams& params, RunContext& context)
+LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph,
+                           std::vector<Path> candidates, const SearchParams& params, RunContext& context)
     : surface_(surface),
       network_(surface.mesh, std::move(start)),
       graph_(graph),
@@ -46,7 +48,8 @@ int LayoutSearch::combinatorial_corners(const Patch& patch) const {
   int corners = 0;
   const std::size_t n = patch.boundary.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const int a = layout_.arches[patch.boundary[i].arch].path, b = layout_.arches[patch.boundary[(i + 1) % n].arch].path;
+    const int a = layout_.arches[patch.boundary[i].arch].path,
+              b = layout_.arches[patch.boundary[(i + 1) % n].arch].path;
     corners += a != b;
   }
   return corners;
@@ -56,13 +59,15 @@ std::vector<int> LayoutSearch::topologically_bad() {
   std::vector<int> bad;
   for (int p = 0; p < static_cast<int>(layout().patches.size()); ++p) {
     const Patch& patch = layout_.patches[p];
-    if (patch.defect != TopologyDefect::kNone || combinatorial_corners(patch) > params_.evaluation.max_sides) bad.push_back(p);
+    if (patch.defect != TopologyDefect::kNone || combinatorial_corners(patch) > params_.evaluation.max_sides)
+      bad.push_back(p);
   }
   return bad;
 }
 
-// How much the path is worth to the patch: its distance to parallel paths inside of it, weighted by how squarely it
-// crosses the direction of least curvature (method.md 13.4). 0 when it does not run through the patch.
+// How much the path is worth to the patch: its distance to parallel paths inside of it, weighted by how
+// squarely it crosses the direction of least curvature (method.md 13.4). 0 when it does not run through the
+// patch.
 double LayoutSearch::priority(const Path& path, int patch) const {
   double sum = 0;
   int count = 0;
@@ -71,7 +76,8 @@ double LayoutSearch::priority(const Path& path, int patch) const {
     const int v = path.vertices[i], w = path.vertices[(i + 1) % n];
     const int e = surface_.mesh.find_edge(v, w);
     const auto& edge = surface_.mesh.edges[e];
-    if (edge.border() || layout_.face_patch[edge.f0] != patch || layout_.face_patch[edge.f1] != patch) continue;
+    if (edge.border() || layout_.face_patch[edge.f0] != patch || layout_.face_patch[edge.f1] != patch)
+      continue;
     const Vector3 direction = (surface_.mesh.points[w] - surface_.mesh.points[v]).normalized();
     const double along = surface_.guide.ruling_direction[edge.f0].dot(direction);
     const double crossing = 1 - surface_.guide.strength[edge.f0] * along * along;
@@ -88,12 +94,14 @@ void LayoutSearch::commit(std::size_t candidate) {
   changed();
 }
 
-// Inserts the best fitting candidate for each bad patch that has not been cut in this round; false if none was found.
+// Inserts the best fitting candidate for each bad patch that has not been cut in this round; false if none
+// was found.
 bool LayoutSearch::insert_best(const std::vector<int>& bad) {
   // Candidates that touch what is there are dropped for good; those too near to a parallel one as well.
   std::vector<Path> kept;
   for (Path& c : candidates_)
-    if (network_.fits(c) && distance_.mean(c) > params_.min_spacing_edges * edge_length_) kept.push_back(std::move(c));
+    if (network_.fits(c) && distance_.mean(c) > params_.min_spacing_edges * edge_length_)
+      kept.push_back(std::move(c));
   candidates_ = std::move(kept);
   layout();
   struct Choice {
@@ -160,8 +168,10 @@ void LayoutSearch::settle() {
   }
 }
 
-// Vertices of these patches go back to where they were, and so do vertices of faces that this would turn over.
-void LayoutSearch::put_back(const std::vector<int>& patches, const std::vector<Vector3>& points, const std::vector<int>& versions) {
+// Vertices of these patches go back to where they were, and so do vertices of faces that this would turn
+// over.
+void LayoutSearch::put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
+                            const std::vector<int>& versions) {
   SurfaceMesh& mesh = surface_.mesh;
   const auto restore = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = versions[v]; };
   for (int f : faces_of(patches))
@@ -192,7 +202,8 @@ void LayoutSearch::smooth_what_allows() {
     std::vector<int> bad;
     const LayoutEvaluation& e = evaluation();
     for (int p = 0; p < static_cast<int>(e.patches.size()); ++p)
-      if (!e.patches[p]->viable() || e.patch_error[p] > std::max(params_.evaluation.e_max, error_before[p])) bad.push_back(p);
+      if (!e.patches[p]->viable() || e.patch_error[p] > std::max(params_.evaluation.e_max, error_before[p]))
+        bad.push_back(p);
     if (bad.empty()) return;
     put_back(bad, points, versions);
   }
@@ -242,11 +253,13 @@ void LayoutSearch::smooth() {
     const PathKind kind = net.kinds[net.edge_path[e]];
     const auto& edge = surface_.mesh.edges[e];
     path_edge[e] = 1;
-    if (kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry) fixed[edge.v0] = fixed[edge.v1] = 1;
+    if (kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry)
+      fixed[edge.v0] = fixed[edge.v1] = 1;
   }
   SmoothParams params;
   params.rest = &rest_;
-  for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_)) surface_.versions[v] = ++last_version_;
+  for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_))
+    surface_.versions[v] = ++last_version_;
   changed();
 }
 
@@ -261,13 +274,16 @@ std::vector<int> LayoutSearch::patches_beside(const std::vector<int>& edges) {
 
 std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
   std::vector<int> faces;
-  for (int p : patches) faces.insert(faces.end(), layout_.patches[p].faces.begin(), layout_.patches[p].faces.end());
+  for (int p : patches)
+    faces.insert(faces.end(), layout_.patches[p].faces.begin(), layout_.patches[p].faces.end());
   return faces;
 }
 
-// What the region becomes under another network, when all of its patches are viable alone; worst: their largest error
-// relative to e_max, sides: the most.
-std::optional<PatchLayout> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces, double& worst, int& sides) {
+// What the region becomes under another network, when all of its patches are viable alone; worst: their
+// largest error relative to e_max, sides: the most.
+std::optional<PatchLayout> LayoutSearch::viable_region(const PathNetwork& trial,
+                                                       const std::vector<int>& faces, double& worst,
+                                                       int& sides) {
   PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
   for (const Patch& p : region.patches)
     if (p.defect != TopologyDefect::kNone) return std::nullopt;
@@ -280,8 +296,8 @@ std::optional<PatchLayout> LayoutSearch::viable_region(const PathNetwork& trial,
   return region;
 }
 
-// After the network has changed over these faces: morphs the new patches with their neighbours, the rest held; true
-// when all of them stay within e_max (or, where that was exceeded before, get no worse).
+// After the network has changed over these faces: morphs the new patches with their neighbours, the rest
+// held; true when all of them stay within e_max (or, where that was exceeded before, get no worse).
 bool LayoutSearch::region_fits(const std::vector<int>& faces, double before) {
   layout();
   std::set<int> fresh, region;
@@ -331,7 +347,8 @@ bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   return false;
 }
 
-// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no corner.
+// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no
+// corner.
 void LayoutSearch::join_straight(const std::vector<int>& removed) {
   const PathNetwork& net = network_.network();
   for (int e : removed)
@@ -360,7 +377,8 @@ Vector3 LayoutSearch::arch_direction(int edge, int v) const {
   const int n = static_cast<int>(arch.vertices.size());
   const bool forward = arch.vertices.front() == v && arch.edges.front() == edge;
   const int reach = std::min(n - 1, 4);
-  return (surface_.mesh.points[arch.vertices[forward ? reach : n - 1 - reach]] - surface_.mesh.points[v]).normalized();
+  return (surface_.mesh.points[arch.vertices[forward ? reach : n - 1 - reach]] - surface_.mesh.points[v])
+      .normalized();
 }
 
 void LayoutSearch::remove_paths() {
@@ -398,8 +416,8 @@ std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges) const {
   return edges;
 }
 
-// What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used up or
-// many sides result. Negative when it is not viable. Thread-safe.
+// What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used
+// up or many sides result. Negative when it is not viable. Thread-safe.
 double LayoutSearch::merge_value(int arch) {
   const std::vector<int> edges = with_loose_ends(layout_.arches[arch].edges);
   if (edges.empty()) return -1;
@@ -420,7 +438,9 @@ std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const 
   for (int a = 0; a < static_cast<int>(now.arches.size()); ++a) {
     const Arch& arch = now.arches[a];
     const PathKind kind = network_.network().kinds[arch.path];
-    if (arch.left < 0 || arch.right < 0 || arch.path == kept_path_ || (kind != PathKind::kTraced && kind != PathKind::kCut)) continue;
+    if (arch.left < 0 || arch.right < 0 || arch.path == kept_path_ ||
+        (kind != PathKind::kTraced && kind != PathKind::kCut))
+      continue;
     std::uint64_t left = now.patches[arch.left].key, right = now.patches[arch.right].key;
     arches.emplace_back(combine(arch.key, combine(std::min(left, right), std::max(left, right))), a);
   }
@@ -435,7 +455,8 @@ void LayoutSearch::remove_arches() {
     for (const auto& [key, a] : arches)
       if (!merge_values_.count(key)) fresh.push_back(a);
     std::vector<double> values(now.arches.size(), -1);
-    parallel_for(context_, static_cast<int>(fresh.size()), [&](int i) { values[fresh[i]] = merge_value(fresh[i]); });
+    parallel_for(context_, static_cast<int>(fresh.size()),
+                 [&](int i) { values[fresh[i]] = merge_value(fresh[i]); });
     std::vector<std::pair<double, std::pair<std::uint64_t, int>>> order;
     for (const auto& [key, a] : arches) {
       const auto it = merge_values_.emplace(key, values[a]).first;
@@ -468,7 +489,9 @@ std::vector<int> LayoutSearch::stretch_inside(const Path& path, int patch) const
     const auto& edge = surface_.mesh.edges[edges[i]];
     return layout_.edge_arch[edges[i]] < 0 && layout_.face_patch[edge.f0] == patch;
   };
-  auto on_network = [&](int i) { return network_degree(surface_.mesh, network_.network(), path.vertices[i % m]) > 0; };
+  auto on_network = [&](int i) {
+    return network_degree(surface_.mesh, network_.network(), path.vertices[i % m]) > 0;
+  };
   for (int start = 0; start < n; ++start) {
     if (!inside(start) || !on_network(start)) continue;
     std::vector<int> run;

@@ -15,16 +15,17 @@ namespace sheetform {
 
 struct SearchParams {
   EvaluationParams evaluation;
-  int lawson_rounds = 4;        ///< minimax rounds of the global morph while searching
-  double min_spacing_edges = 2; ///< a candidate nearer than this to parallel paths, on average, is dropped
+  int lawson_rounds = 4;         ///< minimax rounds of the global morph while searching
+  double min_spacing_edges = 2;  ///< a candidate nearer than this to parallel paths, on average, is dropped
 };
 
-/// The state of one search over one component. Steps are public, so that the variants can be composed of them.
+/// The state of one search over one component. Steps are public, so that the variants can be composed of
+/// them.
 class LayoutSearch {
  public:
   /// `surface.mesh` may be moved by smoothing; `graph` and `candidates` refer to its vertices by index.
-  LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph, std::vector<Path> candidates,
-               const SearchParams& params, RunContext& context);
+  LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph,
+               std::vector<Path> candidates, const SearchParams& params, RunContext& context);
 
   /// Inserts until every patch is a disk with few sides, then until every patch fits within e_max.
   void insert();
@@ -32,8 +33,8 @@ class LayoutSearch {
   void remove_paths();
   /// Removes single arches (T-junctions appear), the smallest patches first, until none goes.
   void remove_arches();
-  /// Local search: a stretch of a candidate path goes in, other arches go out; kept when parts or cuts get fewer.
-  /// Returns the number of improvements.
+  /// Local search: a stretch of a candidate path goes in, other arches go out; kept when parts or cuts get
+  /// fewer. Returns the number of improvements.
   int improve(int tries, std::uint64_t seed);
   /// Number of patches plus a little for the length of the cuts.
   double objective();
@@ -65,10 +66,12 @@ class LayoutSearch {
   bool try_remove(const std::vector<int>& edges);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
-  std::optional<PatchLayout> viable_region(const PathNetwork& trial, const std::vector<int>& faces, double& worst, int& sides);
+  std::optional<PatchLayout> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
+                                           double& worst, int& sides);
   bool region_fits(const std::vector<int>& faces, double before);
   void store(const LayoutEvaluation& e);
-  void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points, const std::vector<int>& versions);
+  void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
+                const std::vector<int>& versions);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   bool try_improve(const Path& path, int patch);
   void join_straight(const std::vector<int>& removed);
@@ -96,8 +99,9 @@ class LayoutSearch {
   PatchLayout layout_;
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;
-  std::unordered_map<std::uint64_t, double> merge_values_;  ///< by arch and patches beside it; negative = not viable
-  ArchPlaces places_;                                       ///< after the last morphs
+  std::unordered_map<std::uint64_t, double>
+      merge_values_;   ///< by arch and patches beside it; negative = not viable
+  ArchPlaces places_;  ///< after the last morphs
   std::vector<std::string> log_;
 };
 

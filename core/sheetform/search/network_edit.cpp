@@ -65,7 +65,8 @@ bool EditableNetwork::fits(const Path& path) const {
 
 int EditableNetwork::insert(const Path& path, PathKind kind) {
   const int id = insert_edges(path_edges(path), kind);
-  for (std::size_t i = 0; i < path.vertices.size(); ++i) sheet_used_[2 * path.vertices[i] + (path.dirs[i] & 1)] = 1;
+  for (std::size_t i = 0; i < path.vertices.size(); ++i)
+    sheet_used_[2 * path.vertices[i] + (path.dirs[i] & 1)] = 1;
   return id;
 }
 

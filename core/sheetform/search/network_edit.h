@@ -15,8 +15,8 @@ class EditableNetwork {
   }
   const PathNetwork& network() const { return network_; }
 
-  /// Whether the path can be inserted: all its edges are free, it crosses others only transversally, and it shares no
-  /// vertex with a path of its own direction.
+  /// Whether the path can be inserted: all its edges are free, it crosses others only transversally, and it
+  /// shares no vertex with a path of its own direction.
   bool fits(const Path& path) const;
   /// Marks the path's edges; returns its id.
   int insert(const Path& path, PathKind kind);

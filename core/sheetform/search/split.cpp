@@ -14,9 +14,11 @@ namespace sheetform {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Queue = std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
+using Queue =
+    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
 
-// ---- patches that are no disks -------------------------------------------------------------------------------------
+// ---- patches that are no disks
+// -------------------------------------------------------------------------------------
 
 // Shortest-path tree over the patch's vertices from its boundary (or its lowest vertex when it has none).
 struct Tree {
@@ -35,7 +37,8 @@ Tree grow_tree(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& 
   };
   for (int f : patch.faces)
     for (int k = 0; k < 3; ++k)
-      if (layout.edge_arch[mesh.face_edges[f][k]] >= 0) seed(mesh.faces[f][k]), seed(mesh.faces[f][(k + 1) % 3]);
+      if (layout.edge_arch[mesh.face_edges[f][k]] >= 0)
+        seed(mesh.faces[f][k]), seed(mesh.faces[f][(k + 1) % 3]);
   if (queue.empty()) seed(mesh.faces[patch.faces.front()][0]);
   const int id = layout.face_patch[patch.faces.front()];
   while (!queue.empty()) {
@@ -87,9 +90,11 @@ std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout,
       if (tree.parent_edge[edge.v0] == e || tree.parent_edge[edge.v1] == e) continue;
       free_edges.push_back({tree.distance[edge.v0] + tree.distance[edge.v1] + mesh.edge_length(e), e});
     }
-  // The dual spanning tree takes the longest ways first: what is left over are the short ones (Erickson, Whittlesey).
-  std::sort(free_edges.begin(), free_edges.end(),
-            [](const Candidate& x, const Candidate& y) { return std::tie(y.length, x.edge) < std::tie(x.length, y.edge); });
+  // The dual spanning tree takes the longest ways first: what is left over are the short ones (Erickson,
+  // Whittlesey).
+  std::sort(free_edges.begin(), free_edges.end(), [](const Candidate& x, const Candidate& y) {
+    return std::tie(y.length, x.edge) < std::tie(x.length, y.edge);
+  });
   std::vector<int> parent(mesh.faces.size());
   std::iota(parent.begin(), parent.end(), 0);
   auto find = [&](int f) {
@@ -114,8 +119,10 @@ std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout
     const auto& t = mesh.faces[f];
     return tree.distance[t[0]] + tree.distance[t[1]] + tree.distance[t[2]];
   };
-  std::sort(order.begin(), order.end(), [&](int x, int y) { return std::pair(far(x), x) < std::pair(far(y), y); });
-  // Grow the near side face by face and keep it a disk: a face joins over one edge with a new vertex, or over two edges.
+  std::sort(order.begin(), order.end(),
+            [&](int x, int y) { return std::pair(far(x), x) < std::pair(far(y), y); });
+  // Grow the near side face by face and keep it a disk: a face joins over one edge with a new vertex, or over
+  // two edges.
   std::vector<char> in(mesh.faces.size(), 0), touched(mesh.points.size(), 0);
   double area = 0;
   for (bool grown = true; grown && area < patch.area / 2;) {
@@ -140,7 +147,8 @@ std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout
   return loop;
 }
 
-// ---- disks: a cut in the chart -------------------------------------------------------------------------------------
+// ---- disks: a cut in the chart
+// -------------------------------------------------------------------------------------
 
 // A wanted curve in the chart and the stretches of the outline where the cut should start and end.
 struct WantedCut {
@@ -155,14 +163,16 @@ class ChartCutter {
     const int n = static_cast<int>(chart.vertices.size());
     place_.assign(n, -1);
     for (const auto& line : chart.boundary)
-      for (std::size_t i = 0; i + 1 < line.size(); ++i) place_[line[i]] = static_cast<int>(loop_.size()), loop_.push_back(line[i]);
+      for (std::size_t i = 0; i + 1 < line.size(); ++i)
+        place_[line[i]] = static_cast<int>(loop_.size()), loop_.push_back(line[i]);
     neighbours_.resize(n);
     for (std::size_t t = 0; t < chart.triangles.size(); ++t)
       for (int k = 0; k < 3; ++k) {
         const int e = mesh.face_edges[patch.faces[t]][k];
         if (layout.edge_arch[e] >= 0) continue;
         const int a = chart.triangles[t][k], b = chart.triangles[t][(k + 1) % 3];
-        if (mesh.edges[e].f0 == patch.faces[t]) neighbours_[a].push_back({b, e}), neighbours_[b].push_back({a, e});
+        if (mesh.edges[e].f0 == patch.faces[t])
+          neighbours_[a].push_back({b, e}), neighbours_[b].push_back({a, e});
       }
     scale_ = std::sqrt(std::max(patch.area, 1e-300));
   }
@@ -195,7 +205,8 @@ class ChartCutter {
           if (total < best) best = total, best_from = v, best_edge = e, best_to = w;
           continue;
         }
-        if (next < distance[w]) distance[w] = next, from[w] = v, via[w] = e, origin[w] = origin[v], queue.emplace(next, w);
+        if (next < distance[w])
+          distance[w] = next, from[w] = v, via[w] = e, origin[w] = origin[v], queue.emplace(next, w);
       }
     }
     (void)best_to;
@@ -261,8 +272,8 @@ double distance_to_chord(const PatchEvaluation& e, const RulingSet::Chord& c, co
   return (u - a - std::clamp((u - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0) * d).squaredNorm();
 }
 
-// Across the rulings, so that they are cut where the error is largest (not nearer to their ends than a quarter); near
-// either end of the sweep, where rulings do not help, along the ruling that cuts the end off.
+// Across the rulings, so that they are cut where the error is largest (not nearer to their ends than a
+// quarter); near either end of the sweep, where rulings do not help, along the ruling that cuts the end off.
 std::vector<Vector2> across_rulings(const PatchEvaluation& e) {
   const auto& chords = e.rulings.chords;
   const int n = static_cast<int>(chords.size());
@@ -312,7 +323,8 @@ std::vector<Vector2> between_corners(const PatchEvaluation& e) {
       for (int k : e.corners) inside += k > a && k < b;
       const double uneven = std::abs(inside - (c - inside)) / static_cast<double>(c);
       const double cost = (e.polygon.uv[a] - e.polygon.uv[b]).norm() * (1 + 3 * uneven * uneven);
-      if (std::min(b - a, n - b + a) > n / 5 && cost < best) best = cost, line = {e.polygon.uv[a], e.polygon.uv[b]};
+      if (std::min(b - a, n - b + a) > n / 5 && cost < best)
+        best = cost, line = {e.polygon.uv[a], e.polygon.uv[b]};
     }
   return line;
 }
@@ -323,7 +335,8 @@ std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& ch
   for (int p = 0; p < cutter.places(); ++p) seen.emplace_back(chart.vertices[cutter.loop()[p]], p);
   std::sort(seen.begin(), seen.end());
   for (std::size_t i = seen.size() / 2, k = 0; k < seen.size(); ++k, i = (i + 1) % seen.size())
-    if (i + 1 < seen.size() && seen[i].first == seen[i + 1].first) return {seen[i].second, seen[i + 1].second};
+    if (i + 1 < seen.size() && seen[i].first == seen[i + 1].first)
+      return {seen[i].second, seen[i + 1].second};
   return {-1, -1};
 }
 
@@ -351,7 +364,8 @@ std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& la
     if (d > known[v].first) continue;
     if (v != loose && degree(v) > 0) {
       std::vector<int> edges;
-      for (int w = v; known[w].second >= 0;) edges.push_back(known[w].second), w = mesh.edges[known[w].second].other(w);
+      for (int w = v; known[w].second >= 0;)
+        edges.push_back(known[w].second), w = mesh.edges[known[w].second].other(w);
       return edges;
     }
     for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) {
@@ -369,7 +383,8 @@ std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& la
 
 }  // namespace
 
-std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch, const PatchEvaluation& evaluation) {
+std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
+                             const PatchEvaluation& evaluation) {
   const Patch& p = layout.patches[patch];
   if (p.defect == TopologyDefect::kNotADisk) {
     std::vector<int> edges = cut_to_disk(mesh, layout, p);

@@ -12,6 +12,7 @@ namespace sheetform {
 /// - too many sides: so that the corners are shared evenly;
 /// - no rulings, folded, overlapping: across the longer axis of its chart;
 /// - error: across its rulings at the worst place, so that they get shorter (method.md 13.4).
-std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch, const PatchEvaluation& evaluation);
+std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
+                             const PatchEvaluation& evaluation);
 
 }  // namespace sheetform

@@ -30,7 +30,8 @@ StripMesh assemble_strips(const StripSource& source) {
 
 void append(StripMesh& strips, const StripMesh& other, int component) {
   const int points = static_cast<int>(strips.points.size()), uvs = static_cast<int>(strips.uvs.size());
-  const int patches = static_cast<int>(strips.patches.size()), arches = static_cast<int>(strips.arches.size());
+  const int patches = static_cast<int>(strips.patches.size()),
+            arches = static_cast<int>(strips.arches.size());
   strips.points.insert(strips.points.end(), other.points.begin(), other.points.end());
   strips.uvs.insert(strips.uvs.end(), other.uvs.begin(), other.uvs.end());
   for (StripMesh::Patch patch : other.patches) {

@@ -9,7 +9,7 @@ namespace sheetform {
 /// A layout in terms of shared points: what the final morph hands over.
 struct StripSource {
   struct Patch {
-    std::vector<int> outline;                   ///< shared points, counter-clockwise, starts at the start of arches[0]
+    std::vector<int> outline;  ///< shared points, counter-clockwise, starts at the start of arches[0]
     std::vector<std::array<int, 3>> triangles;  ///< places of `outline`, counter-clockwise, sweep order
     std::vector<std::array<int, 2>> rulings;    ///< places of `outline`, sweep order
     std::vector<int> corners;                   ///< ascending places of `outline`
@@ -25,7 +25,8 @@ struct StripSource {
   std::vector<Arch> arches;
 };
 
-/// Unfolds every patch; each lies with its first flat point at the origin (the blueprint places them). O(triangles).
+/// Unfolds every patch; each lies with its first flat point at the origin (the blueprint places them).
+/// O(triangles).
 StripMesh assemble_strips(const StripSource& source);
 
 /// Appends the patches of `other` (another component): ids are shifted.

@@ -11,7 +11,8 @@ namespace {
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Third corner from the lengths, on the left of a -> b.
-Vector2 apex(const Vector2& a, const Vector2& b, double length, const Vector3& pa, const Vector3& pb, const Vector3& pc) {
+Vector2 apex(const Vector2& a, const Vector2& b, double length, const Vector3& pa, const Vector3& pb,
+             const Vector3& pc) {
   const Vector3 ab = pb - pa, ac = pc - pa;
   const double along = ac.dot(ab) / length, off = ab.cross(ac).norm() / length;
   const Vector2 x = (b - a) / (b - a).norm(), y(-x.y(), x.x());
@@ -25,13 +26,16 @@ double point_segment2(const Vector2& p, const Vector2& a, const Vector2& b) {
 }
 
 bool segments_cross(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
-  const double u = cross(b - a, c - a), v = cross(b - a, d - a), w = cross(d - c, a - c), z = cross(d - c, b - c);
+  const double u = cross(b - a, c - a), v = cross(b - a, d - a), w = cross(d - c, a - c),
+               z = cross(d - c, b - c);
   return ((u > 0) != (v > 0)) && ((w > 0) != (z > 0));
 }
 
 bool too_close(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d, double gap) {
   for (int k = 0; k < 2; ++k)
-    if (std::max(a[k], b[k]) + gap < std::min(c[k], d[k]) || std::max(c[k], d[k]) + gap < std::min(a[k], b[k])) return false;
+    if (std::max(a[k], b[k]) + gap < std::min(c[k], d[k]) ||
+        std::max(c[k], d[k]) + gap < std::min(a[k], b[k]))
+      return false;
   if (segments_cross(a, b, c, d)) return true;
   const double g2 = gap * gap;
   return point_segment2(a, c, d) < g2 || point_segment2(b, c, d) < g2 || point_segment2(c, a, b) < g2 ||
@@ -40,7 +44,8 @@ bool too_close(const Vector2& a, const Vector2& b, const Vector2& c, const Vecto
 
 }  // namespace
 
-std::vector<Vector2> unfold(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& triangles) {
+std::vector<Vector2> unfold(const std::vector<Vector3>& points,
+                            const std::vector<std::array<int, 3>>& triangles) {
   std::vector<Vector2> flat(points.size(), Vector2::Zero());
   if (triangles.empty()) return flat;
   std::map<std::pair<int, int>, int> side;  // directed edge -> triangle on its left
@@ -49,7 +54,8 @@ std::vector<Vector2> unfold(const std::vector<Vector3>& points, const std::vecto
   const auto& first = triangles[0];
   const double length = (points[first[1]] - points[first[0]]).norm();
   flat[first[1]] = {length, 0};
-  flat[first[2]] = apex(flat[first[0]], flat[first[1]], length, points[first[0]], points[first[1]], points[first[2]]);
+  flat[first[2]] =
+      apex(flat[first[0]], flat[first[1]], length, points[first[0]], points[first[1]], points[first[2]]);
   std::vector<char> placed(triangles.size(), 0);
   std::vector<int> stack{0};
   placed[0] = 1;
@@ -62,7 +68,9 @@ std::vector<Vector2> unfold(const std::vector<Vector3>& points, const std::vecto
       placed[it->second] = 1;
       const auto& other = triangles[it->second];
       const int a = t[(k + 1) % 3], b = t[k];
-      const int c = other[0] != a && other[0] != b ? other[0] : other[1] != a && other[1] != b ? other[1] : other[2];
+      const int c = other[0] != a && other[0] != b   ? other[0]
+                    : other[1] != a && other[1] != b ? other[1]
+                                                     : other[2];
       flat[c] = apex(flat[a], flat[b], (points[b] - points[a]).norm(), points[a], points[b], points[c]);
       stack.push_back(it->second);
     }
