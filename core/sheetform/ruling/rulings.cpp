@@ -35,7 +35,7 @@ double half_sagitta(const std::array<Vector3, kSamples>& d) {
 }
 
 struct ChordScore {
-  float cost = 0, error = 0;
+  float cost = 0, error = 0, misalignment = 0;
 };
 
 class StripSearch {
@@ -81,9 +81,10 @@ class StripSearch {
       last = triangle;
     }
     if ((off > 0 && params_.keep_inside) || (forbidden_ != nullptr && (*forbidden_)(i, j)))
-      return {static_cast<float>(kForbidden), 0};
+      return {static_cast<float>(kForbidden), 0, 0};
     ChordScore s;
     s.error = static_cast<float>(half_sagitta(d));
+    s.misalignment = static_cast<float>(misaligned / kSamples);
     const double relative = s.error / params_.e_max;
     const double cosine = first < 0 ? 1.0 : raster_.normal(first).dot(raster_.normal(last));
     const double twist2 = 2 * (1 - std::clamp(cosine, -1.0, 1.0));
@@ -170,6 +171,7 @@ class StripSearch {
   }
 
   void list_chords(RulingSet& set) {
+    double total = 0;
     for (std::size_t t = 0; t + 1 < set.triangles.size(); ++t) {
       const auto &x = set.triangles[t], &y = set.triangles[t + 1];
       std::array<int, 2> shared{};
@@ -180,7 +182,10 @@ class StripSearch {
       set.chords.push_back({shared[0], shared[1], std::max(area, 0.0)});
       set.predicted_error =
           std::max(set.predicted_error, static_cast<double>(score(shared[0], shared[1]).error));
+      total += std::max(area, 0.0);
+      set.misalignment += std::max(area, 0.0) * score(shared[0], shared[1]).misalignment;
     }
+    if (total > 0) set.misalignment /= total;
   }
 
   double area_of(const std::array<int, 3>& t) const {

@@ -279,21 +279,21 @@ std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
   return faces;
 }
 
-// What the region becomes under another network, when all of its patches are viable alone; worst: their
-// largest error relative to e_max, sides: the most.
-std::optional<PatchLayout> LayoutSearch::viable_region(const PathNetwork& trial,
-                                                       const std::vector<int>& faces, double& worst,
-                                                       int& sides) {
-  PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
+// What the region becomes under another network, when all of its patches are viable alone.
+std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces) {
+  const PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
+  RegionFit fit;
+  fit.patches = static_cast<int>(region.patches.size());
   for (const Patch& p : region.patches)
     if (p.defect != TopologyDefect::kNone) return std::nullopt;
-  for (int p = 0; p < static_cast<int>(region.patches.size()); ++p) {
+  for (int p = 0; p < fit.patches; ++p) {
     const auto e = evaluator_.patch(region, p);
     if (!e->viable()) return std::nullopt;
-    worst = std::max(worst, e->error / params_.evaluation.e_max);
-    sides = std::max(sides, static_cast<int>(e->corners.size()));
+    fit.error = std::max(fit.error, e->error / params_.evaluation.e_max);
+    fit.sides = std::max(fit.sides, static_cast<int>(e->corners.size()));
+    fit.misalignment = std::max(fit.misalignment, e->rulings.misalignment);
   }
-  return region;
+  return fit;
 }
 
 // After the network has changed over these faces: morphs the new patches with their neighbours, the rest
@@ -329,9 +329,7 @@ bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   if (places_.empty()) store(evaluation());
   PathNetwork trial = network_.network();
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
-  double worst = 0;
-  int sides = 0;
-  if (!viable_region(trial, faces, worst, sides)) return false;
+  if (!viable_region(trial, faces)) return false;
   std::vector<int> paths;
   for (int e : edges) paths.push_back(network_.network().edge_path[e]);
   PatchLayout before = std::move(layout_);
@@ -422,15 +420,15 @@ double LayoutSearch::merge_value(int arch) {
   const std::vector<int> edges = with_loose_ends(layout_.arches[arch].edges);
   if (edges.empty()) return -1;
   PathNetwork trial = network_.network();
-  double length = 0, worst = 0;
+  double length = 0;
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
   const std::vector<int> beside = patches_beside(edges);
-  int sides = 0;
-  const auto region = viable_region(trial, faces_of(beside), worst, sides);
-  if (!region) return -1;
-  const double side_factor = sides <= 4 ? 1.0 : sides == 5 ? 0.8 : 0.6;
-  const double parts = static_cast<double>(beside.size()) - static_cast<double>(region->patches.size());
-  return (length + 0.15 * parts) * (1.05 - worst * worst) * side_factor;
+  const auto fit = viable_region(trial, faces_of(beside));
+  if (!fit) return -1;
+  const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.8 : 0.6;
+  const double parts = static_cast<double>(beside.size()) - fit->patches;
+  const double flow = std::max(1 - 1.5 * fit->misalignment, 0.05);  // rulings that follow the shape
+  return (length + 0.15 * parts) * (1.05 - fit->error * fit->error) * side_factor * flow;
 }
 
 std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const PatchLayout& now) const {
@@ -515,9 +513,7 @@ bool LayoutSearch::try_improve(const Path& path, int patch) {
   const std::vector<int> faces = layout_.patches[patch].faces;
   kept_path_ = network_.insert_edges(run, PathKind::kCut);
   changed();
-  double worst = 0;
-  int sides = 0;
-  bool good = viable_region(network_.network(), faces, worst, sides) && region_fits(faces, 0);
+  bool good = viable_region(network_.network(), faces) && region_fits(faces, 0);
   if (good) {
     remove_arches();
     kept_path_ = -1;

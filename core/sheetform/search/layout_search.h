@@ -19,6 +19,14 @@ struct SearchParams {
   double min_spacing_edges = 2;  ///< a candidate nearer than this to parallel paths, on average, is dropped
 };
 
+/// How a few patches fit, each alone; the worst of them counts.
+struct RegionFit {
+  int patches = 0;
+  double error = 0;  ///< relative to e_max
+  int sides = 0;
+  double misalignment = 0;
+};
+
 /// The state of one search over one component. Steps are public, so that the variants can be composed of
 /// them.
 class LayoutSearch {
@@ -66,8 +74,7 @@ class LayoutSearch {
   bool try_remove(const std::vector<int>& edges);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
-  std::optional<PatchLayout> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
-                                           double& worst, int& sides);
+  std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
   bool region_fits(const std::vector<int>& faces, double before);
   void store(const LayoutEvaluation& e);
   void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
