@@ -105,6 +105,8 @@ describe("on a wide window", () => {
     await page.getByRole("radio", { name: "Error" }).check();
     await page.getByText(/Worst place \(marked\)/).waitFor();
     await window.shot("wide-8-error");
+    await page.getByRole("radio", { name: "Tilt" }).check();
+    await page.getByText(/Largest \(marked\)/).waitFor();
     await page.getByRole("radio", { name: "Bend" }).check();
     await page.getByText(/Bend radius in/).waitFor();
     await window.shot("wide-9-bend");

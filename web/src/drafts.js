@@ -1,5 +1,8 @@
 // Meshes that were dropped but not yet sent: the file, what it looks like, its size, the parameters.
+import { getLimits } from "./api.js";
+import { bytes } from "./format.js";
 import { materialOf } from "./materials.js";
+import { MeshError } from "./mesh/read_mesh.js";
 import { inspectFile } from "./worker/client.js";
 import { recall } from "./prefs.js";
 
@@ -20,12 +23,22 @@ class Drafts {
 
   async read(draft) {
     try {
+      await this.checkSize(draft.file);
       draft.mesh = await inspectFile(draft.file);
       draft.up = draft.up ?? guessUp(draft.mesh);
     } catch (error) {
       draft.error = error;
     }
     this.changed();
+  }
+
+  /** Refuses what the server would refuse, before anything is read or sent. */
+  async checkSize(file) {
+    this.limits ??= await getLimits().catch(() => null);
+    const most = this.limits?.uploadBytes;
+    if (most && file.size > most) {
+      throw new MeshError(`The file has ${bytes(file.size)}; this server takes ${bytes(most)} at most.`, "", "Reduce the mesh: 20,000 to 200,000 triangles are plenty for sheets.");
+    }
   }
 
   get draft() { return this.list[this.current] ?? null; }

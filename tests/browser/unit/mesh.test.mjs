@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { ClosestPoints } from "../../../web/src/mesh/closest.js";
 import { inspect } from "../../../web/src/mesh/inspect.js";
+import { angleBetween, faceNormal, vertexNormals } from "../../../web/src/mesh/normals.js";
 import { MeshError, readMesh } from "../../../web/src/mesh/read_mesh.js";
 import { SAMPLES, sampleFile } from "../../../web/src/mesh/samples.js";
 
@@ -115,6 +116,16 @@ function outward({ points, faces }) {
   }
   return sum;
 }
+
+describe("normals", () => {
+  it("of a ball point away from its middle", () => {
+    const points = Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1]);
+    const faces = Uint32Array.from([0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5]);
+    const normals = vertexNormals(points, faces);
+    for (let v = 0; v < 6; v++) assert.ok(angleBetween(normals.subarray(3 * v, 3 * v + 3), points.subarray(3 * v, 3 * v + 3)) < 1e-5);
+    assert.ok(Math.abs(angleBetween(faceNormal(points, faces, 0), [1, 0, 0]) - 54.7356) < 1e-3);
+  });
+});
 
 describe("closest points", () => {
   it("to a unit square by brute force", () => {

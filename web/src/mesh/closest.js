@@ -46,8 +46,8 @@ export class ClosestPoints {
     return node;
   }
 
-  /** Distance of (x, y, z) to the mesh; `place` receives the closest point. */
-  distance(x, y, z, place = [0, 0, 0]) {
+  /** Distance of (x, y, z) to the mesh; this.nearest is then the face it was measured to. */
+  distance(x, y, z) {
     let best = Infinity;
     const stack = [0];
     while (stack.length > 0) {
@@ -63,16 +63,14 @@ export class ClosestPoints {
         const squared = this.triangle(this.order[k], x, y, z);
         if (squared < best) {
           best = squared;
-          place[0] = this.hit[0];
-          place[1] = this.hit[1];
-          place[2] = this.hit[2];
+          this.nearest = this.order[k];
         }
       }
     }
     return Math.sqrt(best);
   }
 
-  hit = [0, 0, 0];
+  nearest = -1;
 
   /** Squared distance to one triangle by the regions of its plane (Ericson, Real-Time Collision Detection, 5.1.5). */
   triangle(f, x, y, z) {
@@ -100,10 +98,7 @@ export class ClosestPoints {
     else if (vb <= 0 && d2 >= 0 && d6 <= 0) [s, t] = [0, d2 / (d2 - d6)];
     else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) { t = (d4 - d3) / (d4 - d3 + d5 - d6); s = 1 - t; }
     else [s, t] = [vb / (va + vb + vc), vc / (va + vb + vc)];
-    this.hit[0] = ax + s * ux + t * vx;
-    this.hit[1] = ay + s * uy + t * vy;
-    this.hit[2] = az + s * uz + t * vz;
-    return (x - this.hit[0]) ** 2 + (y - this.hit[1]) ** 2 + (z - this.hit[2]) ** 2;
+    return (x - ax - s * ux - t * vx) ** 2 + (y - ay - s * uy - t * vy) ** 2 + (z - az - s * uz - t * vz) ** 2;
   }
 }
 

@@ -2,7 +2,7 @@
 import { freshId, h, replace } from "../dom.js";
 import { millimetres } from "../format.js";
 import { bendColors } from "../result/bend.js";
-import { distancesTo } from "../worker/client.js";
+import { compareWith } from "../worker/client.js";
 import { heatColor } from "../view/theme.js";
 import { icon } from "./icons.js";
 
@@ -31,7 +31,7 @@ export function viewControls({ stage, model, mesh, material, job }) {
   const draw = () => {
     stage.result?.show(state);
     stage.flat?.showRulings(state.rulings);
-    if (stage.input) stage.input.group.visible = state.original || state.color === "error";
+    if (stage.input) stage.input.group.visible = state.original || state.color === "error" || state.color === "tilt";
     stage.viewport?.draw();
   };
   const toggle = (name, title) => h("label", { class: "toggle" }, h("input", { type: "checkbox", checked: state[name], onchange: async (event) => {
@@ -47,24 +47,23 @@ export function viewControls({ stage, model, mesh, material, job }) {
     stage.addOverlay(input);
     return true;
   }
-  const colors = { parts: showParts, error: showError, bend: showBend };
+  const colors = { parts: showParts, error: () => showHeat("error"), tilt: () => showHeat("tilt"), bend: showBend };
   function showParts() {
     legend.hidden = true;
     stage.result.setValues(null);
     if (stage.input) { stage.input.setHeat(null); stage.input.asGhost(true); }
     stage.result.group.visible = true;
   }
-  async function showError() {
+  async function showHeat(kind) {
     if (!(await ensureInput())) return replace(legend, "The mesh could not be fetched."), (legend.hidden = false);
-    const heat = await errorOf(stage, model);
-    if (state.color !== "error") return;
-    const full = Math.max(heat.limit, heat.worst);
-    stage.input.setHeat(heat.values, full);
+    const heat = (await comparison(stage, model))[kind];
+    if (state.color !== kind) return;
+    stage.input.setHeat(heat.values, heat.full);
     stage.input.asGhost(false);
     stage.input.box.visible = stage.input.borders.visible = stage.input.crowded.visible = false;
     stage.input.markPlaces([heat.place]);
     stage.result.group.visible = false;
-    showLegend(legend, "Distance of your mesh to the sheets", full, heat.worst, heat.limit);
+    showLegend(legend, heat);
   }
   function showBend() {
     const { values, tightest, text } = bendColors(model, material);
@@ -78,12 +77,12 @@ export function viewControls({ stage, model, mesh, material, job }) {
   const name = freshId("color");
   const choose = async (id) => {
     state.color = id;
-    if (id !== "error") showParts();
+    showParts();
     await colors[id]();
     draw();
   };
   const segments = h("div", { class: "segments small", role: "radiogroup", "aria-label": "Colours show" },
-    [["parts", "Parts"], ["error", "Error"], ["bend", "Bend"]].map(([id, title]) => h("label", {}, h("input", { type: "radio", name, value: id, checked: id === "parts", onchange: () => choose(id) }), h("span", {}, title))));
+    [["parts", "Parts"], ["error", "Error"], ["tilt", "Tilt"], ["bend", "Bend"]].map(([id, title]) => h("label", {}, h("input", { type: "radio", name, value: id, checked: id === "parts", onchange: () => choose(id) }), h("span", {}, title))));
   draw();
   const element = h("div", { class: "view-controls" }, legend,
     h("div", { class: "control-row" }, segments, toggle("seams", "Seams"), toggle("rulings", "Bend lines"), toggle("original", "Mesh")),
@@ -97,21 +96,33 @@ function slider(title, onValue) {
   return { input, element: h("label", { class: "slider", for: id }, h("span", {}, title), input), set: (value) => { input.value = String(value); onValue(value); } };
 }
 
-/** Distances of the input's vertices to the sheets, in mm, computed once per model. */
-async function errorOf(stage, model) {
-  if (model.heat) return model.heat;
+/** Distance (mm) and tilt (degrees) of the input's vertices against the sheets, computed once per model. */
+async function comparison(stage, model) {
+  if (model.comparison) return model.comparison;
   const { mesh } = stage.input;
   const shift = mesh.center.map((value, axis) => value - model.center[axis]);
   const vertices = Float64Array.from(mesh.positions, (value, k) => value + shift[k % 3]);
   const faces = Uint32Array.from(model.parts.flatMap((part) => Array.from(part.triangles)));
-  const { distances, worst } = await distancesTo(vertices, model.position, faces);
-  const values = distances.map((value) => value * model.scale);
+  const { distances, tilts } = await compareWith(vertices, mesh.indices, model.position, faces);
   const { input = {}, parameters = {} } = model.layout;
-  model.heat = { values, worst: values[worst], place: Array.from(mesh.positions.slice(3 * worst, 3 * worst + 3)), limit: (parameters.e_max ?? 0) * (input.bbox_diagonal ?? 0) * model.scale };
-  return model.heat;
+  const limit = (parameters.e_max ?? 0) * (input.bbox_diagonal ?? 0) * model.scale;
+  const worst = (values) => values.reduce((best, value, v) => (value > values[best] ? v : best), 0);
+  const heat = (values, least, words) => {
+    const at = worst(values);
+    return { values, place: Array.from(mesh.positions.slice(3 * at, 3 * at + 3)), full: Math.max(least, values[at]), ...words(values[at]) };
+  };
+  model.comparison = {
+    error: heat(distances.map((value) => value * model.scale), limit, (most) => ({
+      title: "Distance of your mesh to the sheets", unit: millimetres, text: `Worst place (marked): ${millimetres(most)}. Allowed: ${millimetres(limit)}.` })),
+    tilt: heat(tilts, 30, (most) => ({
+      title: "Tilt of the sheets against your mesh", unit: degrees, text: `Largest (marked): ${degrees(most)}. High values show where light will fall differently.` })),
+  };
+  return model.comparison;
 }
 
-function showLegend(legend, title, full, worst, limit) {
+const degrees = (value) => `${Math.round(value)}°`;
+
+function showLegend(legend, { title, full, unit, text }) {
   const canvas = h("canvas", { width: 200, height: 8, class: "ramp", "aria-hidden": "true" });
   const context = canvas.getContext("2d");
   for (let x = 0; x < 200; x++) {
@@ -119,7 +130,6 @@ function showLegend(legend, title, full, worst, limit) {
     context.fillStyle = `rgb(${r} ${g} ${b})`;
     context.fillRect(x, 0, 1, 8);
   }
-  replace(legend, h("strong", {}, title), canvas, h("div", { class: "slider-ends" }, h("span", {}, "0"), h("span", {}, millimetres(full))),
-    h("span", { class: "hint" }, `Worst place (marked): ${millimetres(worst)}. Allowed: ${millimetres(limit)}.`));
+  replace(legend, h("strong", {}, title), canvas, h("div", { class: "slider-ends" }, h("span", {}, unit(0)), h("span", {}, unit(full))), h("span", { class: "hint" }, text));
   legend.hidden = false;
 }

@@ -39,7 +39,7 @@ export async function inspectFile(file) {
   return call("read", { buffer }, [buffer]);
 }
 
-/** Distances of `vertices` to the triangles (points, faces); all arrays are copied. */
-export function distancesTo(vertices, points, faces) {
-  return call("distance", { vertices, points, faces });
+/** Distances and tilts of a mesh (vertices, indices) against the triangles (points, faces); all arrays are copied. */
+export function compareWith(vertices, indices, points, faces) {
+  return call("compare", { vertices, indices, points, faces });
 }

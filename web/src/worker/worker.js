@@ -1,5 +1,6 @@
 // Heavy work away from the page: reading meshes, and the distance of a mesh to its sheets.
 import { ClosestPoints } from "../mesh/closest.js";
+import { angleBetween, faceNormal, vertexNormals } from "../mesh/normals.js";
 import { inspect } from "../mesh/inspect.js";
 import { readMesh } from "../mesh/read_mesh.js";
 
@@ -10,17 +11,20 @@ const TASKS = {
     return { format: mesh.format, ...inspect(mesh.points, mesh.faces) };
   },
 
-  /** For each vertex of the input its distance to the result, and the largest of them. All in the same frame and unit. */
-  distance({ vertices, points, faces }) {
+  /**
+   * For each vertex of the input its distance to the result, and the angle in degrees between the two surfaces there.
+   * All in the same frame and unit.
+   */
+  compare({ vertices, indices, points, faces }) {
     const tree = new ClosestPoints(points, faces);
+    const normals = vertexNormals(vertices, indices);
     const count = vertices.length / 3;
-    const distances = new Float32Array(count);
-    let worst = 0;
+    const [distances, tilts] = [new Float32Array(count), new Float32Array(count)];
     for (let v = 0; v < count; v++) {
       distances[v] = tree.distance(vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]);
-      if (distances[v] > distances[worst]) worst = v;
+      tilts[v] = angleBetween(normals.subarray(3 * v, 3 * v + 3), faceNormal(points, faces, tree.nearest));
     }
-    return { distances, worst };
+    return { distances, tilts };
   },
 };
 
