@@ -96,7 +96,8 @@ struct RulingSet {
   std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise, in the order of the sweep
   std::vector<Chord> chords;                  ///< inner edges, in the order of the sweep
   double predicted_error = 0;                 ///< largest half sagitta over the chords
-  double misalignment = 0;     ///< mean over the area of sin^2 to the direction of least curvature, where that matters
+  double misalignment =
+      0;  ///< mean over the area of sin^2 to the direction of least curvature, where that matters
   double cost = 0;
   bool found = false;
 };

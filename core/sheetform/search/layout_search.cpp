@@ -280,7 +280,8 @@ std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
 }
 
 // What the region becomes under another network, when all of its patches are viable alone.
-std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces) {
+std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
+                                                     const std::vector<int>& faces) {
   const PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
   RegionFit fit;
   fit.patches = static_cast<int>(region.patches.size());
