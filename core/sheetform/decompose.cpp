@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <tuple>
 
 #include "sheetform/mesh/creases.h"
 #include "sheetform/mesh/mesh_repair.h"
@@ -86,11 +88,11 @@ double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working) {
   return std::sqrt(worst);
 }
 
-PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, double e_max,
-                                const RunContext& context) {
+PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, Effort effort,
+                                double e_max, const RunContext& context) {
   std::vector<char> crease(mesh.edges.size(), 0);
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
-  double wanted = working_edge_length(mesh, e_max, params.effort);
+  double wanted = working_edge_length(mesh, e_max, effort);
   const double present = mean_edge_length(mesh);
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
@@ -122,24 +124,49 @@ std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& sou
   return guide;
 }
 
-ComponentParams component_params(const DecomposeParams& params, double e_max) {
+// One way of running the search. `mesh`: whose working mesh it takes.
+struct Variant {
+  Effort mesh;
+  int seeds, improvements;
+  std::uint64_t seed_offset;
+};
+
+// The first variant of thorough is normal itself, so that thorough is never worse.
+std::vector<Variant> variants(Effort effort) {
+  switch (effort) {
+    case Effort::kDraft:
+      return {{Effort::kDraft, 60, 0, 0}};
+    case Effort::kNormal:
+      return {{Effort::kNormal, 200, 20, 0}};
+    case Effort::kThorough:
+      break;
+  }
+  return {{Effort::kNormal, 200, 20, 0},
+          {Effort::kDraft, 60, 150, 1},
+          {Effort::kNormal, 200, 150, 2},
+          {Effort::kNormal, 400, 150, 3}};
+}
+
+ComponentParams component_params(const DecomposeParams& params, double e_max, const Variant& variant) {
   ComponentParams c;
   c.evaluation.e_max = e_max;
   c.evaluation.max_sides = params.max_sides;
   c.evaluation.self_seams = params.self_seams;
   c.evaluation.t_junctions = params.t_junctions;
-  c.seed = params.seed;
-  switch (params.effort) {
-    case Effort::kDraft:
-      c.seeds = 60, c.improvements = 0;
-      break;
-    case Effort::kNormal:
-      break;
-    case Effort::kThorough:
-      c.seeds = 400, c.improvements = 400;
-      break;
-  }
+  c.seeds = variant.seeds;
+  c.improvements = variant.improvements;
+  c.seed = params.seed + variant.seed_offset;
   return c;
+}
+
+// The context of one part of a run: its progress fills [begin, end) of the whole.
+RunContext part_of(const RunContext& whole, double begin, double end) {
+  RunContext part = whole;
+  if (whole.progress)
+    part.progress = [&whole, begin, end](Stage stage, double fraction, const std::string& message) {
+      whole.progress(stage, begin + (end - begin) * fraction, message);
+    };
+  return part;
 }
 
 double cut_length(const StripMesh& strips, const Normalisation& norm, bool border) {
@@ -150,6 +177,12 @@ double cut_length(const StripMesh& strips, const Normalisation& norm, bool borde
       sum += (strips.points[a.vertices[i + 1]] - strips.points[a.vertices[i]]).norm();
   }
   return sum / norm.diagonal;
+}
+
+// What makes one result better than another: the tolerance met (or missed by less), fewer parts, shorter
+// cuts.
+std::tuple<double, std::size_t, double> rank(const ComponentResult& r, double e_max) {
+  return {std::max(r.distance - e_max, 0.0), r.strips.patches.size(), cut_length(r.strips, {}, false)};
 }
 
 std::string percent(double x) {
@@ -239,18 +272,27 @@ Decomposition decompose(const InputMesh& input, const DecomposeParams& params, c
     user_tree = ClosestPointTree(user_soup.points, user_soup.faces);
   }
   result.report.timings["prepare"] += seconds_since(start);
+  const std::vector<Variant> tries = variants(params.effort);
+  const double runs = static_cast<double>(count) * static_cast<double>(tries.size());
+  double done = 0;
   for (int c = 0; c < count; ++c) {
-    start = Clock::now();
     const SurfaceMesh mesh = component_mesh(normal_mesh, component, c);
-    ComponentInput ci;
-    ci.prepared = prepared_component(mesh, result.params, e_max, context);
-    ci.reference = {mesh.points, mesh.faces};
-    if (field != nullptr) ci.guide = carry_guide(*field, user_soup, user_tree, ci.prepared.mesh);
-    result.report.timings["prepare"] += seconds_since(start);
-    const ComponentResult cr = decompose_component(ci, component_params(result.params, e_max), context);
-    append(result.strips, cr.strips, c);
-    for (const auto& [name, s] : cr.seconds) result.report.timings[name] += s;
-    result.report.notes.insert(result.report.notes.end(), cr.notes.begin(), cr.notes.end());
+    std::optional<ComponentResult> best;
+    for (const Variant& variant : tries) {
+      start = Clock::now();
+      RunContext part = part_of(context, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
+      done += 1;
+      ComponentInput ci;
+      ci.prepared = prepared_component(mesh, result.params, variant.mesh, e_max, part);
+      ci.reference = {mesh.points, mesh.faces};
+      if (field != nullptr) ci.guide = carry_guide(*field, user_soup, user_tree, ci.prepared.mesh);
+      result.report.timings["prepare"] += seconds_since(start);
+      ComponentResult cr = decompose_component(ci, component_params(result.params, e_max, variant), part);
+      for (const auto& [name, s] : cr.seconds) result.report.timings[name] += s;
+      if (!best || rank(cr, e_max) < rank(*best, e_max)) best = std::move(cr);
+    }
+    append(result.strips, best->strips, c);
+    result.report.notes.insert(result.report.notes.end(), best->notes.begin(), best->notes.end());
   }
   for (Vector3& p : result.strips.points) p = norm.out(p);
   for (Vector2& u : result.strips.uvs) u *= norm.diagonal;
