@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "sheetform/strip/unfold.h"
@@ -243,6 +244,14 @@ double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& tr
   return std::sqrt(best);
 }
 
+constexpr std::size_t kCacheLimit = 1500;  // some hundred kilobytes each
+
+std::shared_ptr<const PatchEvaluation> as_rejected(const PatchEvaluation& e) {
+  auto copy = std::make_shared<PatchEvaluation>(e);
+  if (copy->viable()) copy->verdict = PatchVerdict::kError;
+  return copy;
+}
+
 }  // namespace
 
 const char* to_string(PatchVerdict verdict) {
@@ -302,16 +311,19 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
   auto result = compute(layout, patch, nullptr);
   const std::lock_guard lock(mutex_);
   ++evaluations_;
+  if (cache_.size() >= kCacheLimit) {  // what nobody holds can be computed again
+    for (auto it = cache_.begin(); it != cache_.end();)
+      it = it->second.use_count() == 1 ? cache_.erase(it) : std::next(it);
+  }
+  if (rejected_.count(patch.key)) result = as_rejected(*result);
   return cache_.emplace(patch.key, std::move(result)).first->second;
 }
 
 void LayoutEvaluator::reject(const Patch& patch) {
   const std::lock_guard lock(mutex_);
+  rejected_.insert(patch.key);
   const auto it = cache_.find(patch.key);
-  if (it == cache_.end() || !it->second->viable()) return;
-  auto copy = std::make_shared<PatchEvaluation>(*it->second);
-  copy->verdict = PatchVerdict::kError;
-  it->second = copy;
+  if (it != cache_.end()) it->second = as_rejected(*it->second);
 }
 
 std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(const PatchLayout& layout) {

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "sheetform/base/run_context.h"
@@ -84,7 +85,7 @@ struct LayoutEvaluation {
   int failing = 0;  ///< patches that are not viable or exceed e_max
 };
 
-/// Evaluates layouts of one surface; remembers every patch that it has seen. Thread-safe for patch().
+/// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch().
 class LayoutEvaluator {
  public:
   LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context)
@@ -123,6 +124,7 @@ class LayoutEvaluator {
   RunContext& context_;
   std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
+  std::unordered_set<std::uint64_t> rejected_;
   int evaluations_ = 0, hits_ = 0;
 };
 

@@ -87,13 +87,6 @@ double LayoutSearch::priority(const Path& path, int patch) const {
   return count == 0 ? 0 : sum / count;
 }
 
-void LayoutSearch::commit(std::size_t candidate) {
-  network_.insert(candidates_[candidate], PathKind::kTraced);
-  distance_.add(candidates_[candidate]);
-  candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(candidate));
-  changed();
-}
-
 // Inserts the best fitting candidate for each bad patch that has not been cut in this round; false if none
 // was found.
 bool LayoutSearch::insert_best(const std::vector<int>& bad) {

@@ -39,7 +39,7 @@ class LayoutSearch {
   void insert();
   /// Removes whole paths, last first, in passes until none goes.
   void remove_paths();
-  /// Removes single arches (T-junctions appear), the smallest patches first, until none goes.
+  /// Removes single arches (T-junctions appear), the most rewarding first, until none goes.
   void remove_arches();
   /// Local search: a stretch of a candidate path goes in, other arches go out; kept when parts or cuts get
   /// fewer. Returns the number of improvements.
@@ -61,7 +61,6 @@ class LayoutSearch {
   const LayoutEvaluation& evaluation();
   LayoutEvaluator& evaluator() { return evaluator_; }
   const EditableNetwork& network() const { return network_; }
-  const std::vector<std::string>& log() const { return log_; }
 
  private:
   void changed() { layout_valid_ = evaluation_valid_ = false; }
@@ -70,7 +69,6 @@ class LayoutSearch {
   int insert_for_geometry();
   bool insert_best(const std::vector<int>& bad);
   double priority(const Path& path, int patch) const;
-  void commit(std::size_t candidate);
   bool try_remove(const std::vector<int>& edges);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
@@ -94,7 +92,6 @@ class LayoutSearch {
   std::vector<Path> candidates_;  ///< not yet inserted and still fitting
   std::vector<Path> pool_;        ///< all of them
   int kept_path_ = -1;            ///< not removed for now
-  std::vector<double> mean_distance_;
   SearchParams params_;
   RunContext& context_;
   NodeDistance distance_;
@@ -109,7 +106,6 @@ class LayoutSearch {
   std::unordered_map<std::uint64_t, double>
       merge_values_;   ///< by arch and patches beside it; negative = not viable
   ArchPlaces places_;  ///< after the last morphs
-  std::vector<std::string> log_;
 };
 
 }  // namespace sheetform

@@ -192,7 +192,7 @@ class ChartCutter {
       distance[loop_[p]] = d, origin[loop_[p]] = p, queue.emplace(d, loop_[p]);
     }
     double best = kInfinity;
-    int best_from = -1, best_edge = -1, best_to = -1;
+    int best_from = -1, best_edge = -1;
     while (!queue.empty()) {
       const auto [d, v] = queue.top();
       queue.pop();
@@ -202,14 +202,13 @@ class ChartCutter {
         if (place_[w] >= 0) {  // arrived on the outline
           if (!target_ok(origin[v], place_[w], wanted)) continue;
           const double total = next + end_cost(w, wanted.line.back());
-          if (total < best) best = total, best_from = v, best_edge = e, best_to = w;
+          if (total < best) best = total, best_from = v, best_edge = e;
           continue;
         }
         if (next < distance[w])
           distance[w] = next, from[w] = v, via[w] = e, origin[w] = origin[v], queue.emplace(next, w);
       }
     }
-    (void)best_to;
     std::vector<int> edges;
     if (best_from < 0) return edges;
     edges.push_back(best_edge);
