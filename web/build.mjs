@@ -8,7 +8,14 @@ import { fileURLToPath } from "node:url";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const fresh = path.join(here, "dist.new");
-const common = { bundle: true, minify: true, sourcemap: false, legalComments: "none", metafile: true, target: ["es2022"] };
+const common = {
+  bundle: true,
+  minify: true,
+  sourcemap: false,
+  legalComments: "none",
+  metafile: true,
+  target: ["es2022"],
+};
 
 await rm(fresh, { recursive: true, force: true });
 await mkdir(path.join(fresh, "assets"), { recursive: true });
@@ -16,12 +23,20 @@ const outdir = path.join(fresh, "assets");
 
 // The worker first: the page is told its name.
 const worker = await build({
-  ...common, entryPoints: [path.join(here, "src/worker/worker.js")], outdir, format: "iife", entryNames: "worker-[hash]",
+  ...common,
+  entryPoints: [path.join(here, "src/worker/worker.js")],
+  outdir,
+  format: "iife",
+  entryNames: "worker-[hash]",
 });
 const page = await build({
   ...common,
   entryPoints: [path.join(here, "src/main.js"), path.join(here, "styles/page.css")],
-  outdir, format: "esm", splitting: true, entryNames: "[name]-[hash]", chunkNames: "[name]-[hash]",
+  outdir,
+  format: "esm",
+  splitting: true,
+  entryNames: "[name]-[hash]",
+  chunkNames: "[name]-[hash]",
   define: { WORKER_FILE: JSON.stringify(nameOf(worker, "worker/worker.js")) },
 });
 
@@ -67,11 +82,15 @@ await rm(fresh, { recursive: true });
 /** Paths of all files below a folder, sorted; none when it is not there. */
 async function filesIn(folder, prefix = "") {
   const entries = await readdir(path.join(folder, prefix), { withFileTypes: true }).catch(() => []);
-  const found = await Promise.all(entries.map((entry) => {
-    const name = path.posix.join(prefix, entry.name);
-    return entry.isDirectory() ? filesIn(folder, name) : [name];
-  }));
+  const found = await Promise.all(
+    entries.map((entry) => {
+      const name = path.posix.join(prefix, entry.name);
+      return entry.isDirectory() ? filesIn(folder, name) : [name];
+    }),
+  );
   return found.flat().sort();
 }
 
-function kilo(bytes) { return (bytes / 1024).toFixed(0).padStart(4); }
+function kilo(bytes) {
+  return (bytes / 1024).toFixed(0).padStart(4);
+}

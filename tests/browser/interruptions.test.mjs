@@ -36,7 +36,7 @@ it("a reload in mid-job comes back to the job, and to its result", async () => {
   await window.ready();
   await page.reload();
   await window.ready();
-  assert.ok(await page.locator(".flat .part").count() > 0);
+  assert.ok((await page.locator(".flat .part").count()) > 0);
 });
 
 it("cancel stops the job and offers a way on", async () => {
@@ -64,5 +64,10 @@ it("the list of jobs survives, too", async () => {
 });
 
 it("had nothing else to complain about", () => {
-  assert.deepEqual(window.complaintsBut(/ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/), []);
+  assert.deepEqual(
+    window.complaintsBut(
+      /ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/,
+    ),
+    [],
+  );
 });

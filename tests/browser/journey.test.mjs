@@ -62,7 +62,7 @@ describe("on a wide window", () => {
     const process = await (await fetch(`${server.url}api/v1/processes/decompose`)).json();
     for (const [name, input] of Object.entries(process.inputs)) {
       if (["mesh", "scale", "target_size", "e_max", "e_max_mm"].includes(name)) continue;
-      assert.ok(await page.locator(".schema-form").getByText(input.title, { exact: true }).count() >= 1, name);
+      assert.ok((await page.locator(".schema-form").getByText(input.title, { exact: true }).count()) >= 1, name);
     }
     await page.getByText("More settings").click();
   });
@@ -73,8 +73,14 @@ describe("on a wide window", () => {
     const { layout } = await resultFiles(page);
     assert.equal(await page.locator(".flat .part").count(), layout.patches.length);
     assert.match(await page.locator(".figures").innerText(), new RegExp(`Parts\\s+${layout.patches.length}\\b`));
-    assert.equal(await page.locator(".certificate li.not .hint").count(), 0, await page.locator(".certificate").innerText());
-    const tallest = Math.max(...(await (await fetch(`${server.url}api/v1/jobs/${(await resultFiles(page)).id}`)).json()).inputs.mesh.sizeMm);
+    assert.equal(
+      await page.locator(".certificate li.not .hint").count(),
+      0,
+      await page.locator(".certificate").innerText(),
+    );
+    const tallest = Math.max(
+      ...(await (await fetch(`${server.url}api/v1/jobs/${(await resultFiles(page)).id}`)).json()).inputs.mesh.sizeMm,
+    );
     assert.ok(Math.abs(tallest - 150) < 0.1, `${tallest} mm instead of 150`);
     await window.shot("wide-3-result");
   });
@@ -85,7 +91,7 @@ describe("on a wide window", () => {
     assert.equal(await page.locator(".flat .part.chosen").count(), 1);
     await window.shot("wide-4-part");
     await page.locator(".seam-list button").first().click();
-    assert.ok(await page.locator(".flat .seam.lit").count() >= 1);
+    assert.ok((await page.locator(".flat .seam.lit").count()) >= 1);
     await page.keyboard.press("Escape");
     assert.equal(await page.locator(".flat .seam.lit").count(), 0);
     const sheet = page.locator(".flat .part .sheet").nth(0);
@@ -114,7 +120,10 @@ describe("on a wide window", () => {
 
   it("hands out the files", async () => {
     await page.getByRole("tab", { name: "Files" }).click();
-    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: /To cut: SVG/ }).click()]);
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("link", { name: /To cut: SVG/ }).click(),
+    ]);
     assert.equal(download.suggestedFilename(), "layout.svg");
     const chunks = [];
     for await (const chunk of await download.createReadStream()) chunks.push(chunk);
@@ -136,7 +145,12 @@ describe("on a phone", () => {
   let window;
   let page;
   before(async () => {
-    window = await Window.open(browser, server, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: "dark" });
+    window = await Window.open(browser, server, {
+      viewport: { width: 390, height: 844 },
+      hasTouch: true,
+      isMobile: true,
+      colorScheme: "dark",
+    });
     page = window.page;
   });
   after(() => window?.close());
@@ -159,7 +173,12 @@ describe("on a phone", () => {
     await page.getByRole("button", { name: "Make the sheets" }).click();
     await window.ready();
     await window.shot("phone-2-shape");
-    for (const [name, proof] of [["Flat", ".flat .part"], ["Result", ".figures"], ["Parts", ".part-row"], ["Files", ".files-list a"]]) {
+    for (const [name, proof] of [
+      ["Flat", ".flat .part"],
+      ["Result", ".figures"],
+      ["Parts", ".part-row"],
+      ["Files", ".files-list a"],
+    ]) {
       await page.getByRole("tab", { name }).click();
       await page.locator(proof).first().waitFor();
       await window.shot(`phone-3-${name.toLowerCase()}`);

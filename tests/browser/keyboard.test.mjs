@@ -21,10 +21,14 @@ after(async () => {
   await server?.stop();
 });
 
-const focused = () => page.evaluate(() => {
-  const e = document.activeElement;
-  return `${e.tagName.toLowerCase()} ${e.getAttribute("aria-label") ?? ""} ${e.textContent.trim().slice(0, 60)}`.replace(/\s+/g, " ");
-});
+const focused = () =>
+  page.evaluate(() => {
+    const e = document.activeElement;
+    return `${e.tagName.toLowerCase()} ${e.getAttribute("aria-label") ?? ""} ${e.textContent.trim().slice(0, 60)}`.replace(
+      /\s+/g,
+      " ",
+    );
+  });
 
 /** Presses Tab until the focus is on something that matches; fails when the way round does not lead there. */
 async function tabTo(pattern, key = "Tab") {
@@ -47,7 +51,7 @@ it("chooses a shape", async () => {
 it("turns the view, chooses a material and starts", async () => {
   await tabTo(/^canvas/);
   for (const key of ["ArrowLeft", "ArrowUp", "+", "0"]) await page.keyboard.press(key);
-  await tabTo(/^input/);  // the unit
+  await tabTo(/^input/); // the unit
   await page.getByRole("radio", { name: /Card/ }).focus();
   await page.keyboard.press("ArrowDown");
   assert.ok(await page.getByRole("radio", { name: /Plywood/ }).isChecked());
@@ -75,9 +79,15 @@ it("moves and zooms the flat layout", async () => {
   const before = await place();
   await page.locator(".flat").focus();
   for (const key of ["+", "ArrowLeft"]) await page.keyboard.press(key);
-  await page.waitForFunction((old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") !== old, before);
+  await page.waitForFunction(
+    (old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") !== old,
+    before,
+  );
   await page.keyboard.press("0");
-  await page.waitForFunction((old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") === old, before);
+  await page.waitForFunction(
+    (old) => document.querySelectorAll(".flat > g")[1].getAttribute("transform") === old,
+    before,
+  );
 });
 
 it("shows where the focus is", async () => {
@@ -85,7 +95,9 @@ it("shows where the focus is", async () => {
   const seen = await page.evaluate(() => {
     const e = document.activeElement;
     const near = [e, e.nextElementSibling].filter(Boolean).map((x) => getComputedStyle(x));
-    return near.some((style) => (style.outlineStyle !== "none" && style.outlineWidth !== "0px") || style.boxShadow !== "none");
+    return near.some(
+      (style) => (style.outlineStyle !== "none" && style.outlineWidth !== "0px") || style.boxShadow !== "none",
+    );
   });
   assert.ok(seen);
 });

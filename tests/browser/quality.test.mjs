@@ -8,7 +8,7 @@ import { letter } from "./support/meshes.mjs";
 import { Server } from "./support/server.mjs";
 
 const FIRST_VIEW_BYTES = 300 * 1024;
-const FRAME_SCRIPT_MS = 8;  // half of what 60 frames a second allow
+const FRAME_SCRIPT_MS = 8; // half of what 60 frames a second allow
 
 let server;
 let browser;
@@ -30,7 +30,9 @@ after(async () => {
 async function violations() {
   await page.evaluate(axe);
   const { violations: found } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
-  return found.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => node.html.slice(0, 160)).join(" | ")}`);
+  return found.map(
+    ({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => node.html.slice(0, 160)).join(" | ")}`,
+  );
 }
 
 /** Checks the state on show in both themes. */
@@ -45,7 +47,9 @@ it("a first visit up to the 3D view weighs less than 300 KB", async () => {
   const session = await page.context().newCDPSession(page);
   await session.send("Network.enable");
   let bytes = 0;
-  session.on("Network.loadingFinished", ({ encodedDataLength }) => { bytes += encodedDataLength; });
+  session.on("Network.loadingFinished", ({ encodedDataLength }) => {
+    bytes += encodedDataLength;
+  });
   await window.goto();
   await page.getByRole("button", { name: "Ring", exact: true }).click();
   await page.getByRole("button", { name: "Make the sheets" }).waitFor();
@@ -72,22 +76,32 @@ it("the result is accessible", async () => {
 it("turning the result costs little script time a frame", async () => {
   const session = await page.context().newCDPSession(page);
   await session.send("Performance.enable");
-  const script = async () => (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "ScriptDuration").value * 1000;
+  const script = async () =>
+    (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "ScriptDuration").value * 1000;
   const box = await page.locator(".canvas3d").boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.evaluate(() => {
     window.countedFrames = 0;
-    const count = () => { window.countedFrames++; window.counting = requestAnimationFrame(count); };
+    const count = () => {
+      window.countedFrames++;
+      window.counting = requestAnimationFrame(count);
+    };
     count();
   });
   const begun = await script();
   for (let k = 0; k < 40; k++) await page.mouse.move(x + 4 * k, y + k);
-  const spent = await script() - begun;
-  const frames = await page.evaluate(() => { cancelAnimationFrame(window.counting); return window.countedFrames; });
+  const spent = (await script()) - begun;
+  const frames = await page.evaluate(() => {
+    cancelAnimationFrame(window.counting);
+    return window.countedFrames;
+  });
   await page.mouse.up();
-  assert.ok(frames > 3 && spent / frames < FRAME_SCRIPT_MS, `${(spent / frames).toFixed(2)} ms script a frame over ${frames} frames`);
+  assert.ok(
+    frames > 3 && spent / frames < FRAME_SCRIPT_MS,
+    `${(spent / frames).toFixed(2)} ms script a frame over ${frames} frames`,
+  );
   console.log(`script time a frame: ${(spent / frames).toFixed(2)} ms over ${frames} frames`);
 });
 

@@ -13,7 +13,9 @@ export class ProblemError extends Error {
 /** The problem of a request that got no answer at all. */
 function unreachable() {
   return new ProblemError({
-    type: "about:blank", status: 0, title: "The server does not answer",
+    type: "about:blank",
+    status: 0,
+    title: "The server does not answer",
     detail: "The page cannot reach the sheetform server.",
     fix: "Check that it still runs; the page carries on by itself as soon as it answers.",
   });
@@ -23,9 +25,13 @@ async function problemOf(response) {
   try {
     const body = JSON.parse(await response.text());
     if (body && body.title) return new ProblemError({ status: response.status, ...body });
-  } catch { /* not JSON: described below */ }
+  } catch {
+    /* not JSON: described below */
+  }
   return new ProblemError({
-    type: "about:blank", status: response.status, title: `The server answered ${response.status}`,
+    type: "about:blank",
+    status: response.status,
+    title: `The server answered ${response.status}`,
     detail: response.statusText || "No further words came with it.",
   });
 }
@@ -59,7 +65,9 @@ export const getInput = async (id) => (await request(`${ROOT}/jobs/${encodeURICo
 
 export function openSession(token) {
   return request(`${ROOT}/session`, {
-    method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ token }),
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ token }),
   });
 }
 

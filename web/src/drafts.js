@@ -37,11 +37,17 @@ class Drafts {
     this.limits ??= await getLimits().catch(() => null);
     const most = this.limits?.uploadBytes;
     if (most && file.size > most) {
-      throw new MeshError(`The file has ${bytes(file.size)}; this server takes ${bytes(most)} at most.`, "", "Reduce the mesh: 20,000 to 200,000 triangles are plenty for sheets.");
+      throw new MeshError(
+        `The file has ${bytes(file.size)}; this server takes ${bytes(most)} at most.`,
+        "",
+        "Reduce the mesh: 20,000 to 200,000 triangles are plenty for sheets.",
+      );
     }
   }
 
-  get draft() { return this.list[this.current] ?? null; }
+  get draft() {
+    return this.list[this.current] ?? null;
+  }
 
   select(k) {
     this.current = k;
@@ -54,7 +60,9 @@ class Drafts {
     this.changed();
   }
 
-  changed() { for (const listener of [...this.listeners]) listener(); }
+  changed() {
+    for (const listener of [...this.listeners]) listener();
+  }
   onChange(listener) {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
@@ -66,9 +74,17 @@ export const drafts = new Drafts();
 function makeDraft(file, like) {
   const material = recall("material", "card");
   return {
-    file, name: file.name, mesh: null, error: null, up: null, tag: like?.tag ?? "",
-    scale: like?.parameters?.scale ?? 1, material,
-    values: like?.parameters ? { ...like.parameters } : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
+    file,
+    name: file.name,
+    mesh: null,
+    error: null,
+    up: null,
+    tag: like?.tag ?? "",
+    scale: like?.parameters?.scale ?? 1,
+    material,
+    values: like?.parameters
+      ? { ...like.parameters }
+      : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
   };
 }
 

@@ -32,7 +32,9 @@ export function metres(value) {
 /** Square millimetres as mm², cm² or m². */
 export function area(value) {
   if (value < 100) return `${number(1).format(value)} mm²`;
-  return value >= 1e6 ? `${number(2).format(value / 1e6)} m²` : `${number(value < 1000 ? 1 : 0).format(value / 100)} cm²`;
+  return value >= 1e6
+    ? `${number(2).format(value / 1e6)} m²`
+    : `${number(value < 1000 ? 1 : 0).format(value / 100)} cm²`;
 }
 
 export function percent(fraction, digits = 2) {

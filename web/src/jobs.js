@@ -16,8 +16,8 @@ export const STAGES = [
 
 class Jobs {
   list = new Map();
-  known = false;      // whether the server's list has arrived
-  connection = "";    // "live", "polling", "lost"
+  known = false; // whether the server's list has arrived
+  connection = ""; // "live", "polling", "lost"
   listeners = new Set();
 
   start() {
@@ -41,10 +41,14 @@ class Jobs {
     });
   }
 
-  get(id) { return this.list.get(id) ?? null; }
+  get(id) {
+    return this.list.get(id) ?? null;
+  }
 
   newestFirst() {
-    return [...this.list.values()].sort((a, b) => (a.created < b.created ? 1 : a.created > b.created ? -1 : a.jobID < b.jobID ? 1 : -1));
+    return [...this.list.values()].sort((a, b) =>
+      a.created < b.created ? 1 : a.created > b.created ? -1 : a.jobID < b.jobID ? 1 : -1,
+    );
   }
 
   put(job) {

@@ -35,12 +35,16 @@ class App {
 
   header() {
     this.connection = h("p", { class: "connection", role: "status" });
-    const theme = h("button", { type: "button", class: "quiet", onclick: () => {
-      const next = THEMES[(THEMES.indexOf(recall("theme", "auto")) + 1) % THEMES.length];
-      remember("theme", next);
-      setTheme(next);
-      showTheme();
-    } });
+    const theme = h("button", {
+      type: "button",
+      class: "quiet",
+      onclick: () => {
+        const next = THEMES[(THEMES.indexOf(recall("theme", "auto")) + 1) % THEMES.length];
+        remember("theme", next);
+        setTheme(next);
+        showTheme();
+      },
+    });
     const showTheme = () => {
       const now = recall("theme", "auto");
       theme.setAttribute("aria-label", `Colours: ${now === "auto" ? "as the system has it" : now}`);
@@ -49,9 +53,19 @@ class App {
     };
     showTheme();
     return [
-      h("a", { class: "brand", href: "#", "aria-label": "sheetform, all jobs" }, icon("logo", 26), h("span", {}, "sheetform")),
+      h(
+        "a",
+        { class: "brand", href: "#", "aria-label": "sheetform, all jobs" },
+        icon("logo", 26),
+        h("span", {}, "sheetform"),
+      ),
       this.connection,
-      h("nav", { "aria-label": "Page" }, h("a", { class: "button quiet", href: "#" }, icon("list", 18), h("span", {}, "Jobs")), theme),
+      h(
+        "nav",
+        { "aria-label": "Page" },
+        h("a", { class: "button quiet", href: "#" }, icon("list", 18), h("span", {}, "Jobs")),
+        theme,
+      ),
     ];
   }
 
@@ -93,15 +107,28 @@ class App {
   }
 
   showProblem(error) {
-    const token = error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
+    const token =
+      error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
     const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
-    this.show({ title: "", element: h("main", { class: "home", id: "main", tabindex: "-1" }, h("h1", { class: "visually-hidden" }, "sheetform"), problemBox(error, token ?? again)) });
+    this.show({
+      title: "",
+      element: h(
+        "main",
+        { class: "home", id: "main", tabindex: "-1" },
+        h("h1", { class: "visually-hidden" }, "sheetform"),
+        problemBox(error, token ?? again),
+      ),
+    });
   }
 
   showConnection() {
     const lost = jobs.connection === "lost";
     this.connection.classList.toggle("lost", lost);
-    this.connection.textContent = lost ? (jobs.problem?.status === 401 ? "Signed out" : "No connection to the server, trying again …") : "";
+    this.connection.textContent = lost
+      ? jobs.problem?.status === 401
+        ? "Signed out"
+        : "No connection to the server, trying again …"
+      : "";
     if (lost && jobs.problem?.status === 401 && !this.asked) {
       this.asked = true;
       this.showProblem(new ProblemError(jobs.problem));
@@ -109,12 +136,26 @@ class App {
   }
 
   listenToDrops() {
-    const veil = h("div", { class: "veil", hidden: true, "aria-hidden": "true" }, h("p", {}, icon("upload", 40), "Drop to begin"));
+    const veil = h(
+      "div",
+      { class: "veil", hidden: true, "aria-hidden": "true" },
+      h("p", {}, icon("upload", 40), "Drop to begin"),
+    );
     document.body.append(veil);
     let depth = 0;
     const carriesFiles = (event) => event.dataTransfer?.types.includes("Files");
-    addEventListener("dragenter", (event) => { if (carriesFiles(event)) { depth++; veil.hidden = false; } });
-    addEventListener("dragleave", (event) => { if (carriesFiles(event) && --depth <= 0) { depth = 0; veil.hidden = true; } });
+    addEventListener("dragenter", (event) => {
+      if (carriesFiles(event)) {
+        depth++;
+        veil.hidden = false;
+      }
+    });
+    addEventListener("dragleave", (event) => {
+      if (carriesFiles(event) && --depth <= 0) {
+        depth = 0;
+        veil.hidden = true;
+      }
+    });
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
@@ -132,15 +173,24 @@ class App {
 function tokenForm(done) {
   const input = h("input", { type: "password", autocomplete: "current-password", "aria-label": "Token" });
   const error = h("p", { class: "field-error", role: "alert" });
-  return h("form", { class: "row", onsubmit: async (event) => {
-    event.preventDefault();
-    try {
-      await openSession(input.value.trim());
-      done();
-    } catch (problem) {
-      error.textContent = problem.message;
-    }
-  } }, input, h("button", { class: "primary" }, "Sign in"), error);
+  return h(
+    "form",
+    {
+      class: "row",
+      onsubmit: async (event) => {
+        event.preventDefault();
+        try {
+          await openSession(input.value.trim());
+          done();
+        } catch (problem) {
+          error.textContent = problem.message;
+        }
+      },
+    },
+    input,
+    h("button", { class: "primary" }, "Sign in"),
+    error,
+  );
 }
 
 new App().start();

@@ -3,19 +3,43 @@
 
 export const MATERIALS = [
   {
-    id: "paper", title: "Paper", text: "120 g, hand or plotter", thickness: 0.15, radius: 1, sheet: [210, 297], sheetName: "A4",
+    id: "paper",
+    title: "Paper",
+    text: "120 g, hand or plotter",
+    thickness: 0.15,
+    radius: 1,
+    sheet: [210, 297],
+    sheetName: "A4",
     tolerance: 0.015,
   },
   {
-    id: "card", title: "Card", text: "300 g to 1 mm board", thickness: 0.5, radius: 8, sheet: [297, 420], sheetName: "A3",
+    id: "card",
+    title: "Card",
+    text: "300 g to 1 mm board",
+    thickness: 0.5,
+    radius: 8,
+    sheet: [297, 420],
+    sheetName: "A3",
     tolerance: 0.02,
   },
   {
-    id: "plywood", title: "Plywood", text: "0.8 to 1 mm, laser", thickness: 0.9, radius: 28, sheet: [600, 400], sheetName: "600 × 400",
+    id: "plywood",
+    title: "Plywood",
+    text: "0.8 to 1 mm, laser",
+    thickness: 0.9,
+    radius: 28,
+    sheet: [600, 400],
+    sheetName: "600 × 400",
     tolerance: 0.025,
   },
   {
-    id: "metal", title: "Sheet metal", text: "1 mm aluminium, rolled", thickness: 1, radius: 15, sheet: [1000, 500], sheetName: "1000 × 500",
+    id: "metal",
+    title: "Sheet metal",
+    text: "1 mm aluminium, rolled",
+    thickness: 1,
+    radius: 15,
+    sheet: [1000, 500],
+    sheetName: "1000 × 500",
     tolerance: 0.02,
   },
 ];
@@ -34,8 +58,10 @@ export const OFFERED_SIZE = 200;
 
 /** What is odd about a finished size in mm, in words; null when nothing is. */
 export function sizeWarning(longest, material) {
-  if (longest < 15) return "That is smaller than a thumbnail. Is the file in another unit, perhaps inches, centimetres or metres?";
+  if (longest < 15)
+    return "That is smaller than a thumbnail. Is the file in another unit, perhaps inches, centimetres or metres?";
   if (longest > 5000) return "That is larger than a car. Is the file in another unit, perhaps millimetres?";
-  if (longest < 2.5 * material.radius) return `That is too small for ${material.title.toLowerCase()}, which cannot be bent tighter than a radius of about ${material.radius} mm.`;
+  if (longest < 2.5 * material.radius)
+    return `That is too small for ${material.title.toLowerCase()}, which cannot be bent tighter than a radius of about ${material.radius} mm.`;
   return null;
 }

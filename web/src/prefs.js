@@ -15,13 +15,17 @@ export function recall(name, fallback = null) {
 export function remember(name, value) {
   try {
     localStorage.setItem(PREFIX + name, JSON.stringify(value));
-  } catch { /* storage is full or forbidden: the page works without */ }
+  } catch {
+    /* storage is full or forbidden: the page works without */
+  }
 }
 
 export function forget(name) {
   try {
     localStorage.removeItem(PREFIX + name);
-  } catch { /* as above */ }
+  } catch {
+    /* as above */
+  }
 }
 
 /** Keeps a small picture (a data URL) of a job; the oldest go first. */

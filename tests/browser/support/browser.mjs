@@ -9,7 +9,10 @@ const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const NOISE = /GPU stall due to ReadPixels|swiftshader|SwiftShader|GroupMarkerNotSet/;
 
 export async function launch() {
-  return chromium.launch({ executablePath: EXECUTABLE, args: ["--no-sandbox", "--enable-unsafe-swiftshader", "--force-color-profile=srgb"] });
+  return chromium.launch({
+    executablePath: EXECUTABLE,
+    args: ["--no-sandbox", "--enable-unsafe-swiftshader", "--force-color-profile=srgb"],
+  });
 }
 
 export class Window {
@@ -17,18 +20,24 @@ export class Window {
   static async open(browser, server, options = {}) {
     const window = new Window();
     window.server = server;
-    window.context = await browser.newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", ...options });
+    window.context = await browser.newContext({
+      viewport: { width: 1280, height: 800 },
+      reducedMotion: "reduce",
+      ...options,
+    });
     window.page = await window.context.newPage();
     window.page.setDefaultTimeout(60000);
     window.complaints = [];
     window.expected = [];
     window.page.on("console", (message) => {
-      if (["error", "warning"].includes(message.type()) && !NOISE.test(message.text())) window.complaints.push(`${message.type()}: ${message.text()}`);
+      if (["error", "warning"].includes(message.type()) && !NOISE.test(message.text()))
+        window.complaints.push(`${message.type()}: ${message.text()}`);
     });
     window.page.on("pageerror", (error) => window.complaints.push(`uncaught: ${error.stack}`));
     window.page.on("request", (request) => {
       const { protocol, host } = new URL(request.url());
-      if (protocol !== "blob:" && host !== new URL(server.url).host) window.complaints.push(`left the host: ${request.url()}`);
+      if (protocol !== "blob:" && host !== new URL(server.url).host)
+        window.complaints.push(`left the host: ${request.url()}`);
     });
     return window;
   }

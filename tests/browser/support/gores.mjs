@@ -2,7 +2,13 @@
 // Every gore is a chain of planar trapezoids, so its unfolding is known in closed form.
 
 /** @returns {{obj: string, layout: object}} the two files of a result; lengths of the mesh times `scale` are mm */
-export function gores({ count = 8, rows = 12, height = 200, radius = (t) => 50 + 20 * Math.sin(5 * t), scale = 1 } = {}) {
+export function gores({
+  count = 8,
+  rows = 12,
+  height = 200,
+  radius = (t) => 50 + 20 * Math.sin(5 * t),
+  scale = 1,
+} = {}) {
   const points = [];
   for (let i = 0; i < count; i++) {
     for (let k = 0; k <= rows; k++) {
@@ -14,16 +20,35 @@ export function gores({ count = 8, rows = 12, height = 200, radius = (t) => 50 +
   const length = (a, b) => Math.hypot(...points[a].map((value, axis) => value - points[b][axis]));
   const file = { uvs: [], lines: [], patches: [], arches: new Map() };
   for (let i = 0; i < count; i++) {
-    for (const half of [0, 1]) addGore(file, { i, from: (half * rows) / 2, to: ((half + 1) * rows) / 2, half, id, length, scale, rows, count });
+    for (const half of [0, 1])
+      addGore(file, { i, from: (half * rows) / 2, to: ((half + 1) * rows) / 2, half, id, length, scale, rows, count });
   }
   const number = (value) => value.toPrecision(17);
-  const text = [...points.map((p) => `v ${p.map(number).join(" ")}`), ...file.uvs.map((uv) => `vt ${uv.map(number).join(" ")}`), ...file.lines];
+  const text = [
+    ...points.map((p) => `v ${p.map(number).join(" ")}`),
+    ...file.uvs.map((uv) => `vt ${uv.map(number).join(" ")}`),
+    ...file.lines,
+  ];
   const diagonal = Math.hypot(2 * 70, 2 * 70, height);
-  return { obj: `${text.join("\n")}\n`, layout: {
-    schema: "sheetform-layout/1", scale, input: { vertices: points.length, faces: 2 * count * rows, bbox_diagonal: diagonal },
-    parameters: { e_max: 0.02 }, patches: file.patches, arches: [...file.arches.values()],
-    report: { patches: file.patches.length, hausdorff: 0.01, mean_distance: 0.003, e_max_met: true, isometry_error: 0, timings: {} },
-  } };
+  return {
+    obj: `${text.join("\n")}\n`,
+    layout: {
+      schema: "sheetform-layout/1",
+      scale,
+      input: { vertices: points.length, faces: 2 * count * rows, bbox_diagonal: diagonal },
+      parameters: { e_max: 0.02 },
+      patches: file.patches,
+      arches: [...file.arches.values()],
+      report: {
+        patches: file.patches.length,
+        hausdorff: 0.01,
+        mean_distance: 0.003,
+        e_max_met: true,
+        isometry_error: 0,
+        timings: {},
+      },
+    },
+  };
 }
 
 function addGore(file, { i, from, to, half, id, length, scale, rows, count }) {
@@ -51,11 +76,21 @@ function addGore(file, { i, from, to, half, id, length, scale, rows, count }) {
   const [left, right] = [side(i), side(i + 1)];
   const n = right.length;
   const arches = [
-    archOf(file, `side ${(i + 1) % count} ${half}`, right, patch), archOf(file, `top ${i} ${to}`, [id(i + 1, to), id(i, to)], patch),
-    archOf(file, `side ${i} ${half}`, left, patch), archOf(file, `top ${i} ${from}`, [id(i, from), id(i + 1, from)], patch),
+    archOf(file, `side ${(i + 1) % count} ${half}`, right, patch),
+    archOf(file, `top ${i} ${to}`, [id(i + 1, to), id(i, to)], patch),
+    archOf(file, `side ${i} ${half}`, left, patch),
+    archOf(file, `top ${i} ${from}`, [id(i, from), id(i + 1, from)], patch),
   ];
-  file.patches.push({ id: patch, label: `${String.fromCharCode(65 + i)}${half + 1}`, boundary: [...right, ...left.reverse()],
-    corners: [0, n - 1, n, 2 * n - 1], arches, rulings, sheet: 0, mirror_of: null });
+  file.patches.push({
+    id: patch,
+    label: `${String.fromCharCode(65 + i)}${half + 1}`,
+    boundary: [...right, ...left.reverse()],
+    corners: [0, n - 1, n, 2 * n - 1],
+    arches,
+    rulings,
+    sheet: 0,
+    mirror_of: null,
+  });
 }
 
 const height = (rows) => 20 * rows;

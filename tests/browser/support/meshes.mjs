@@ -4,7 +4,11 @@ const file = (name, text) => ({ name, mimeType: "application/octet-stream", buff
 
 /** A tube open at both ends as binary STL: radius and height in the file's unit. */
 export function tubeStl(name = "tube.stl", { radius = 2, height = 5, around = 48, up = 24 } = {}) {
-  const at = (i, j) => [radius * Math.cos((2 * Math.PI * (i % around)) / around), radius * Math.sin((2 * Math.PI * (i % around)) / around), (height * j) / up];
+  const at = (i, j) => [
+    radius * Math.cos((2 * Math.PI * (i % around)) / around),
+    radius * Math.sin((2 * Math.PI * (i % around)) / around),
+    (height * j) / up,
+  ];
   const faces = [];
   for (let i = 0; i < around; i++) {
     for (let j = 0; j < up; j++) {
@@ -38,7 +42,11 @@ export function ball(name = "ball.obj", { around = 200, up = 100, wave = 0.12 } 
   const id = (i, j) => (j - 1) * around + (i % around) + 1;
   for (let i = 0; i < around; i++) {
     lines.push(`f ${top} ${id(i, 1)} ${id(i + 1, 1)}`, `f ${top + 1} ${id(i + 1, up - 1)} ${id(i, up - 1)}`);
-    for (let j = 1; j < up - 1; j++) lines.push(`f ${id(i, j)} ${id(i, j + 1)} ${id(i + 1, j + 1)}`, `f ${id(i, j)} ${id(i + 1, j + 1)} ${id(i + 1, j)}`);
+    for (let j = 1; j < up - 1; j++)
+      lines.push(
+        `f ${id(i, j)} ${id(i, j + 1)} ${id(i + 1, j + 1)}`,
+        `f ${id(i, j)} ${id(i + 1, j + 1)} ${id(i + 1, j)}`,
+      );
   }
   return file(name, lines.join("\n"));
 }

@@ -31,15 +31,26 @@ export class Server {
 
   async begin() {
     this.output = "";
-    this.process = spawn(PROGRAM, ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options], { stdio: ["ignore", "pipe", "pipe"] });
+    this.process = spawn(
+      PROGRAM,
+      ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options],
+      { stdio: ["ignore", "pipe", "pipe"] },
+    );
     this.ended = new Promise((resolve) => this.process.on("exit", resolve));
-    this.process.on("error", (error) => { this.output += `${error}\n`; });
-    for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => { this.output += text; });
+    this.process.on("error", (error) => {
+      this.output += `${error}\n`;
+    });
+    for (const stream of [this.process.stdout, this.process.stderr])
+      stream.on("data", (text) => {
+        this.output += text;
+      });
     for (let attempt = 0; attempt < 300; attempt++) {
       if (this.process.exitCode !== null) break;
       try {
         if ((await fetch(`${this.url}healthz`)).ok) return;
-      } catch { /* not yet listening */ }
+      } catch {
+        /* not yet listening */
+      }
       await new Promise((resolve) => setTimeout(resolve, 50));
     }
     throw new Error(`${PROGRAM} does not serve:\n${this.output}`);

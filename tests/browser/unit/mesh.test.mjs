@@ -7,28 +7,52 @@ import { angleBetween, faceNormal, vertexNormals } from "../../../web/src/mesh/n
 import { MeshError, readMesh } from "../../../web/src/mesh/read_mesh.js";
 import { SAMPLES, sampleFile } from "../../../web/src/mesh/samples.js";
 
-globalThis.File ??= (await import("node:buffer")).File;  // not yet global in node 18
+globalThis.File ??= (await import("node:buffer")).File; // not yet global in node 18
 
-const CORNERS = [[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 4]];
-const FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+const CORNERS = [
+  [0, 0, 0],
+  [2, 0, 0],
+  [0, 3, 0],
+  [0, 0, 4],
+];
+const FACES = [
+  [0, 2, 1],
+  [0, 1, 3],
+  [1, 2, 3],
+  [2, 0, 3],
+];
 const bytes = (text) => new TextEncoder().encode(text).buffer;
 
 const FILES = {
-  obj: bytes(`# tetrahedron\no t\n${CORNERS.map((p) => `v ${p.join(" ")}`).join("\n")}\n${FACES.map((f) => `f ${f.map((k) => `${k + 1}//1`).join(" ")}`).join("\n")}\n`),
-  off: bytes(`OFF\n# comment\n4 4 6\n${CORNERS.map((p) => p.join(" ")).join("\n")}\n${FACES.map((f) => `3 ${f.join(" ")}`).join("\n")}\n`),
-  stl: bytes(`solid t\n${FACES.map((f) => `facet normal 0 0 0\nouter loop\n${f.map((k) => `vertex ${CORNERS[k].join(" ")}`).join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid t\n`),
-  ply: bytes(`ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n${CORNERS.map((p) => p.join(" ")).join("\n")}\n${FACES.map((f) => `3 ${f.join(" ")}`).join("\n")}\n`),
+  obj: bytes(
+    `# tetrahedron\no t\n${CORNERS.map((p) => `v ${p.join(" ")}`).join("\n")}\n${FACES.map((f) => `f ${f.map((k) => `${k + 1}//1`).join(" ")}`).join("\n")}\n`,
+  ),
+  off: bytes(
+    `OFF\n# comment\n4 4 6\n${CORNERS.map((p) => p.join(" ")).join("\n")}\n${FACES.map((f) => `3 ${f.join(" ")}`).join("\n")}\n`,
+  ),
+  stl: bytes(
+    `solid t\n${FACES.map((f) => `facet normal 0 0 0\nouter loop\n${f.map((k) => `vertex ${CORNERS[k].join(" ")}`).join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid t\n`,
+  ),
+  ply: bytes(
+    `ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n${CORNERS.map((p) => p.join(" ")).join("\n")}\n${FACES.map((f) => `3 ${f.join(" ")}`).join("\n")}\n`,
+  ),
 };
 
 function binaryStl() {
   const view = new DataView(new ArrayBuffer(84 + 50 * FACES.length));
   view.setUint32(80, FACES.length, true);
-  FACES.forEach((face, f) => face.forEach((v, corner) => CORNERS[v].forEach((value, axis) => view.setFloat32(84 + 50 * f + 12 + 12 * corner + 4 * axis, value, true))));
+  FACES.forEach((face, f) =>
+    face.forEach((v, corner) =>
+      CORNERS[v].forEach((value, axis) => view.setFloat32(84 + 50 * f + 12 + 12 * corner + 4 * axis, value, true)),
+    ),
+  );
   return view.buffer;
 }
 
 function binaryPly(little) {
-  const head = bytes(`ply\nformat binary_${little ? "little" : "big"}_endian 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nelement face 4\nproperty list uchar uint vertex_indices\nend_header\n`);
+  const head = bytes(
+    `ply\nformat binary_${little ? "little" : "big"}_endian 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nelement face 4\nproperty list uchar uint vertex_indices\nend_header\n`,
+  );
   const view = new DataView(new ArrayBuffer(4 * 24 + 4 * 13));
   CORNERS.forEach((p, v) => p.forEach((value, axis) => view.setFloat64(24 * v + 8 * axis, value, little)));
   FACES.forEach((face, f) => {
@@ -70,7 +94,12 @@ describe("what is no mesh", () => {
     "off with too few lines": [bytes("OFF\n4 4 6\n0 0 0\n"), /cut short/],
   };
   for (const [name, [buffer, words]] of Object.entries(cases)) {
-    it(name, () => assert.throws(() => readMesh(buffer), (error) => error instanceof MeshError && words.test(error.message)));
+    it(name, () =>
+      assert.throws(
+        () => readMesh(buffer),
+        (error) => error instanceof MeshError && words.test(error.message),
+      ),
+    );
   }
 });
 
@@ -122,7 +151,8 @@ describe("normals", () => {
     const points = Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1]);
     const faces = Uint32Array.from([0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5]);
     const normals = vertexNormals(points, faces);
-    for (let v = 0; v < 6; v++) assert.ok(angleBetween(normals.subarray(3 * v, 3 * v + 3), points.subarray(3 * v, 3 * v + 3)) < 1e-5);
+    for (let v = 0; v < 6; v++)
+      assert.ok(angleBetween(normals.subarray(3 * v, 3 * v + 3), points.subarray(3 * v, 3 * v + 3)) < 1e-5);
     assert.ok(Math.abs(angleBetween(faceNormal(points, faces, 0), [1, 0, 0]) - 54.7356) < 1e-3);
   });
 });
@@ -131,7 +161,13 @@ describe("closest points", () => {
   it("to a unit square by brute force", () => {
     const points = Float64Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]);
     const tree = new ClosestPoints(points, Uint32Array.from([0, 1, 2, 0, 2, 3]));
-    for (const [x, y, z] of [[0.3, 0.4, 2], [-1, 0.5, 0], [2, 2, 1], [0.5, -3, -4], [0.2, 0.9, 0]]) {
+    for (const [x, y, z] of [
+      [0.3, 0.4, 2],
+      [-1, 0.5, 0],
+      [2, 2, 1],
+      [0.5, -3, -4],
+      [0.2, 0.9, 0],
+    ]) {
       const [dx, dy] = [Math.max(-x, 0, x - 1), Math.max(-y, 0, y - 1)];
       assert.ok(Math.abs(tree.distance(x, y, z) - Math.hypot(dx, dy, z)) < 1e-12);
     }

@@ -20,7 +20,7 @@ describe("parsing", () => {
   it("finds parts, outlines, rulings and seams", () => {
     assert.equal(it16.parts.length, 16);
     for (const part of it16.parts) {
-      assert.equal(part.outline.length, 14);  // 7 rows, two sides
+      assert.equal(part.outline.length, 14); // 7 rows, two sides
       assert.equal(part.rulingCount, 5);
       assert.ok(part.rulings.length / 2 <= 5);
       assert.equal(part.seams.length, 4);
@@ -34,7 +34,9 @@ describe("parsing", () => {
   });
   it("gives neighbours different colours", () => {
     const { layout } = it16;
-    for (const { patches: [p, q] } of layout.arches) {
+    for (const {
+      patches: [p, q],
+    } of layout.arches) {
       if (q !== null) assert.notEqual(it16.colors[it16.partIndex.get(p)], it16.colors[it16.partIndex.get(q)]);
     }
     assert.deepEqual(colorsOf(layout), it16.colors);
@@ -45,10 +47,23 @@ describe("folding", () => {
   const result = model({ scale: 2.5 });
   const fold = (part, share) => {
     const out = new Float64Array(result.position.length);
-    foldPart(part, hinges(part, result.position, result.flat), result.position, result.flat, result.scale, typeof share === "number" ? { bend: share, travel: share } : share, FRAME, out);
+    foldPart(
+      part,
+      hinges(part, result.position, result.flat),
+      result.position,
+      result.flat,
+      result.scale,
+      typeof share === "number" ? { bend: share, travel: share } : share,
+      FRAME,
+      out,
+    );
     return out;
   };
-  const edges = (part) => Array.from({ length: part.triangles.length }, (_, k) => [part.triangles[k], part.triangles[k % 3 === 2 ? k - 2 : k + 1]]);
+  const edges = (part) =>
+    Array.from({ length: part.triangles.length }, (_, k) => [
+      part.triangles[k],
+      part.triangles[k % 3 === 2 ? k - 2 : k + 1],
+    ]);
   const length = (p, a, b) => Math.hypot(p[3 * a] - p[3 * b], p[3 * a + 1] - p[3 * b + 1], p[3 * a + 2] - p[3 * b + 2]);
 
   it("keeps every length at every step", () => {
@@ -62,7 +77,8 @@ describe("folding", () => {
   it("ends in the shape", () => {
     for (const part of result.parts) {
       const out = fold(part, 1 - 1e-9);
-      for (let k = 3 * part.begin; k < 3 * part.end; k++) assert.ok(Math.abs(out[k] - result.position[k]) < 1e-5, `${part.label}`);
+      for (let k = 3 * part.begin; k < 3 * part.end; k++)
+        assert.ok(Math.abs(out[k] - result.position[k]) < 1e-5, `${part.label}`);
     }
   });
   it("begins in the layout", () => {
@@ -70,7 +86,9 @@ describe("folding", () => {
       const out = fold(part, 0);
       for (let v = part.begin; v < part.end; v++) {
         for (let axis = 0; axis < 3; axis++) {
-          const wanted = FRAME.origin[axis] + (result.flat[2 * v] * FRAME.x[axis] + result.flat[2 * v + 1] * FRAME.y[axis]) / result.scale;
+          const wanted =
+            FRAME.origin[axis] +
+            (result.flat[2 * v] * FRAME.x[axis] + result.flat[2 * v + 1] * FRAME.y[axis]) / result.scale;
           assert.ok(Math.abs(out[3 * v + axis] - wanted) < 1e-9);
         }
       }
@@ -107,7 +125,10 @@ describe("bending", () => {
   const round = model({ rows: 80, height: 120, radius: (t) => 10 + Math.sqrt(100 ** 2 - (120 * t - 60) ** 2) });
   for (const reach of [1, 6, 20]) {
     it(`finds the radius of a circle with a reach of ${reach} mm`, () => {
-      const radii = round.parts.flatMap((part) => bendRadii(part, round.position, round.flat, reach)).filter((r) => r < 1000).sort((a, b) => a - b);
+      const radii = round.parts
+        .flatMap((part) => bendRadii(part, round.position, round.flat, reach))
+        .filter((r) => r < 1000)
+        .sort((a, b) => a - b);
       const middle = radii[radii.length >> 1];
       // A window holds a whole number of hinges, which costs up to a fifth.
       assert.ok(Math.abs(middle - 100) < 20, String(middle));

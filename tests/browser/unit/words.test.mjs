@@ -2,13 +2,30 @@
 import assert from "node:assert/strict";
 import { it } from "node:test";
 import { queryOf } from "../../../web/src/api.js";
-import { area, ago, bytes, count, duration, metres, millimetres, percent, significant } from "../../../web/src/format.js";
+import {
+  area,
+  ago,
+  bytes,
+  count,
+  duration,
+  metres,
+  millimetres,
+  percent,
+  significant,
+} from "../../../web/src/format.js";
 import { secondsLeft, titleOf } from "../../../web/src/jobs.js";
 import { materialOf, sizeWarning } from "../../../web/src/materials.js";
 import { kindOf, readNumber } from "../../../web/src/ui/number_range.js";
 
 it("writes lengths as a workshop does", () => {
-  assert.deepEqual([0, 0.04, 3.2, 14.26, 148.4, 2354].map(millimetres), ["0 mm", "0.04 mm", "3.2 mm", "14.3 mm", "148 mm", "2.35 m"]);
+  assert.deepEqual([0, 0.04, 3.2, 14.26, 148.4, 2354].map(millimetres), [
+    "0 mm",
+    "0.04 mm",
+    "3.2 mm",
+    "14.3 mm",
+    "148 mm",
+    "2.35 m",
+  ]);
   assert.equal(metres(1400), "1.4 m");
   assert.equal(area(61700), "617 cm²");
   assert.equal(area(2.5e6), "2.5 m²");
@@ -26,7 +43,10 @@ it("writes shares, counts, sizes and times", () => {
 });
 
 it("sends booleans as on and off and leaves out what is not set", () => {
-  assert.equal(queryOf({ e_max: 0.02, t_junctions: false, self_seams: true, tag: "", target_size: undefined }).toString(), "e_max=0.02&t_junctions=off&self_seams=on");
+  assert.equal(
+    queryOf({ e_max: 0.02, t_junctions: false, self_seams: true, tag: "", target_size: undefined }).toString(),
+    "e_max=0.02&t_junctions=off&self_seams=on",
+  );
 });
 
 it("guesses the time that is left only when a guess is worth something", () => {

@@ -12,11 +12,15 @@ export class ClosestPoints {
     this.centers = new Float64Array(3 * count);
     for (let f = 0; f < count; f++) {
       for (let axis = 0; axis < 3; axis++) {
-        this.centers[3 * f + axis] = (points[3 * faces[3 * f] + axis] + points[3 * faces[3 * f + 1] + axis] + points[3 * faces[3 * f + 2] + axis]) / 3;
+        this.centers[3 * f + axis] =
+          (points[3 * faces[3 * f] + axis] +
+            points[3 * faces[3 * f + 1] + axis] +
+            points[3 * faces[3 * f + 2] + axis]) /
+          3;
       }
     }
     this.boxes = [];
-    this.nodes = [];  // [begin, end] of a leaf, or [-left, right]
+    this.nodes = []; // [begin, end] of a leaf, or [-left, right]
     if (count > 0) this.build(0, count);
   }
 
@@ -96,8 +100,10 @@ export class ClosestPoints {
     else if (vc <= 0 && d1 >= 0 && d3 <= 0) [s, t] = [d1 / (d1 - d3), 0];
     else if (d6 >= 0 && d5 <= d6) [s, t] = [0, 1];
     else if (vb <= 0 && d2 >= 0 && d6 <= 0) [s, t] = [0, d2 / (d2 - d6)];
-    else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) { t = (d4 - d3) / (d4 - d3 + d5 - d6); s = 1 - t; }
-    else [s, t] = [vb / (va + vb + vc), vc / (va + vb + vc)];
+    else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+      t = (d4 - d3) / (d4 - d3 + d5 - d6);
+      s = 1 - t;
+    } else [s, t] = [vb / (va + vb + vc), vc / (va + vb + vc)];
     return (x - ax - s * ux - t * vx) ** 2 + (y - ay - s * uy - t * vy) ** 2 + (z - az - s * uz - t * vz) ** 2;
   }
 }

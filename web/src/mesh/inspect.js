@@ -18,11 +18,18 @@ export function inspect(points, faces) {
   for (let k = 0; k < faces.length; k++) indices[k] = ids[faces[k]];
   const edges = edgeCounts(indices, count);
   return {
-    positions, indices, center, box,
-    vertices: count, faces: indices.length / 3,
-    pieces: pieces(indices, count), insideOut: looksInwards(positions, indices, edges.border.length === 0),
-    borderEdges: edges.border.length / 2, crowdedEdges: edges.crowded.length / 2,
-    borders: segments(edges.border, positions), crowded: segments(edges.crowded, positions),
+    positions,
+    indices,
+    center,
+    box,
+    vertices: count,
+    faces: indices.length / 3,
+    pieces: pieces(indices, count),
+    insideOut: looksInwards(positions, indices, edges.border.length === 0),
+    borderEdges: edges.border.length / 2,
+    crowdedEdges: edges.crowded.length / 2,
+    borders: segments(edges.border, positions),
+    crowded: segments(edges.crowded, positions),
   };
 }
 
@@ -63,7 +70,11 @@ function weld(points) {
 }
 
 function samePoint(points, a, b) {
-  return points[3 * a] === points[3 * b] && points[3 * a + 1] === points[3 * b + 1] && points[3 * a + 2] === points[3 * b + 2];
+  return (
+    points[3 * a] === points[3 * b] &&
+    points[3 * a + 1] === points[3 * b + 1] &&
+    points[3 * a + 2] === points[3 * b + 2]
+  );
 }
 
 /** Edges with one face (border) and with more than two (crowded), as pairs of vertices. */
@@ -95,7 +106,10 @@ function looksInwards(positions, indices, closed) {
   const p = positions;
   for (let k = 0; k < indices.length; k += 3) {
     const [a, b, c] = [3 * indices[k], 3 * indices[k + 1], 3 * indices[k + 2]];
-    const volume = p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) + p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) + p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
+    const volume =
+      p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) +
+      p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) +
+      p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
     sum += volume;
     total += Math.abs(volume);
   }

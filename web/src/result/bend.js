@@ -13,10 +13,15 @@ const OVER = [0.83, 0.36, 0.3];
 export function bendRadii(part, position, flat, reach) {
   const hinges = part.inner.map(([first, second]) => ({
     angle: bend(position, first[0], first[1], first[2], second[2]),
-    sides: [{ triangle: first[3], width: height(first, flat) }, { triangle: second[3], width: height(second, flat) }],
+    sides: [
+      { triangle: first[3], width: height(first, flat) },
+      { triangle: second[3], width: height(second, flat) },
+    ],
   }));
   const around = new Map();
-  hinges.forEach((hinge, k) => hinge.sides.forEach(({ triangle }) => around.set(triangle, [...(around.get(triangle) ?? []), k])));
+  hinges.forEach((hinge, k) =>
+    hinge.sides.forEach(({ triangle }) => around.set(triangle, [...(around.get(triangle) ?? []), k])),
+  );
   return hinges.map((hinge, k) => {
     const [left, right] = hinge.sides.map((side) => walk(hinges, around, k, side, reach / 2));
     const angle = Math.abs(hinge.angle + left.angle + right.angle);
@@ -63,7 +68,12 @@ export function bendColors(model, material) {
     });
   }
   const values = new Float32Array(3 * radius.length);
-  radius.forEach((r, v) => values.set(r < material.radius ? OVER : r < 2 * material.radius ? mix(NEAR, EASY, r / material.radius - 1) : EASY, 3 * v));
+  radius.forEach((r, v) =>
+    values.set(
+      r < material.radius ? OVER : r < 2 * material.radius ? mix(NEAR, EASY, r / material.radius - 1) : EASY,
+      3 * v,
+    ),
+  );
   return { values, tightest, text: verdict(tightest, material) };
 }
 

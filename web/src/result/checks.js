@@ -7,7 +7,12 @@ export function measureStretch({ parts, position, flat, scale }) {
     const size = Math.hypot(part.box[2] - part.box[0], part.box[3] - part.box[1]) || 1;
     for (let k = 0; k < part.triangles.length; k++) {
       const [a, b] = [part.triangles[k], part.triangles[k % 3 === 2 ? k - 2 : k + 1]];
-      const solid = Math.hypot(position[3 * a] - position[3 * b], position[3 * a + 1] - position[3 * b + 1], position[3 * a + 2] - position[3 * b + 2]) * scale;
+      const solid =
+        Math.hypot(
+          position[3 * a] - position[3 * b],
+          position[3 * a + 1] - position[3 * b + 1],
+          position[3 * a + 2] - position[3 * b + 2],
+        ) * scale;
       const difference = Math.abs(solid - Math.hypot(flat[2 * a] - flat[2 * b], flat[2 * a + 1] - flat[2 * b + 1]));
       absolute = Math.max(absolute, difference);
       share = Math.max(share, difference / size);
@@ -30,7 +35,10 @@ export function measureSeams({ parts, flat, seams }) {
       const seam = part.outlineSeams[k];
       if (seam < 0) return;
       const w = part.outline[(k + 1) % part.outline.length];
-      lengths.set(seam, (lengths.get(seam) ?? 0) + Math.hypot(flat[2 * v] - flat[2 * w], flat[2 * v + 1] - flat[2 * w + 1]));
+      lengths.set(
+        seam,
+        (lengths.get(seam) ?? 0) + Math.hypot(flat[2 * v] - flat[2 * w], flat[2 * v + 1] - flat[2 * w + 1]),
+      );
     });
     for (const [seam, length] of lengths) sides.get(seam).push(length);
   }

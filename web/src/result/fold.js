@@ -54,7 +54,9 @@ function middleTriangle(part, around, flat) {
 
 function flatArea(part, t, flat) {
   const [a, b, c] = [0, 1, 2].map((k) => 2 * part.triangles[3 * t + k]);
-  return Math.abs((flat[b] - flat[a]) * (flat[c + 1] - flat[a + 1]) - (flat[c] - flat[a]) * (flat[b + 1] - flat[a + 1])) / 2;
+  return (
+    Math.abs((flat[b] - flat[a]) * (flat[c + 1] - flat[a + 1]) - (flat[c] - flat[a]) * (flat[b + 1] - flat[a + 1])) / 2
+  );
 }
 
 /** The hinge a-b from triangle `from` to `to`, whose third corner is c: foot and height of c, and the bend. */
@@ -64,10 +66,14 @@ function step(from, to, [a, b, opposite], c, position, flat) {
   const length = Math.hypot(ex, ey);
   const [cx, cy] = [flat[2 * c] - ax, flat[2 * c + 1] - ay];
   return {
-    from, to, a, b, c,
-    along: (cx * ex + cy * ey) / (length * length),        // share of the hinge's length
-    height: Math.abs(cx * ey - cy * ex) / length,          // mm, away from the triangle before
-    angle: bend(position, a, b, opposite, c),              // radians; 0 = flat, positive = towards the inside
+    from,
+    to,
+    a,
+    b,
+    c,
+    along: (cx * ex + cy * ey) / (length * length), // share of the hinge's length
+    height: Math.abs(cx * ey - cy * ex) / length, // mm, away from the triangle before
+    angle: bend(position, a, b, opposite, c), // radians; 0 = flat, positive = towards the inside
   };
 }
 
@@ -80,10 +86,19 @@ export function bend(position, a, b, opposite, c) {
   return Math.atan2(dot(cross(before, after), edge) / size, dot(before, after));
 }
 
-function sub(p, i, j) { return [p[3 * i] - p[3 * j], p[3 * i + 1] - p[3 * j + 1], p[3 * i + 2] - p[3 * j + 2]]; }
-function cross(a, b) { return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]; }
-function dot(a, b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-function unit(a) { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; }
+function sub(p, i, j) {
+  return [p[3 * i] - p[3 * j], p[3 * i + 1] - p[3 * j + 1], p[3 * i + 2] - p[3 * j + 2]];
+}
+function cross(a, b) {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+function dot(a, b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+function unit(a) {
+  const n = Math.hypot(...a) || 1;
+  return [a[0] / n, a[1] / n, a[2] / n];
+}
 
 /**
  * The steps of unfolding everything, by `fold` from 1 (the shape) to 0 (the layout): parts move apart (push), then bend
@@ -91,7 +106,10 @@ function unit(a) { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, 
  */
 export function foldSteps(fold) {
   const opened = 1 - fold;
-  const ease = (t) => { const x = Math.min(1, Math.max(0, t)); return x * x * (3 - 2 * x); };
+  const ease = (t) => {
+    const x = Math.min(1, Math.max(0, t));
+    return x * x * (3 - 2 * x);
+  };
   const travel = 1 - ease((opened - 0.45) / 0.55);
   return { push: ease(opened / 0.35) * travel, bend: 1 - ease((opened - 0.15) / 0.5), travel };
 }
@@ -114,8 +132,13 @@ export function foldPart(part, prepared, position, flat, scale, { bend: share, t
 function placeRoot(part, root, position, flat, scale, travel, frame, out, normals) {
   const corners = [0, 1, 2].map((k) => part.triangles[3 * root + k]);
   const inShape = frameOf(corners.map((v) => [position[3 * v], position[3 * v + 1], position[3 * v + 2]]));
-  const onSheet = frameOf(corners.map((v) => [0, 1, 2].map((axis) =>
-    frame.origin[axis] + (flat[2 * v] * frame.x[axis] + flat[2 * v + 1] * frame.y[axis]) / scale)));
+  const onSheet = frameOf(
+    corners.map((v) =>
+      [0, 1, 2].map(
+        (axis) => frame.origin[axis] + (flat[2 * v] * frame.x[axis] + flat[2 * v + 1] * frame.y[axis]) / scale,
+      ),
+    ),
+  );
   const turn = slerp(onSheet.turn, inShape.turn, travel);
   const center = onSheet.center.map((value, axis) => value + (inShape.center[axis] - value) * travel);
   // The corners in the triangle's own frame are the same in shape and sheet, because the part does not stretch.
@@ -144,7 +167,12 @@ function placeNext({ from, to, a, b, c, along, height, angle }, scale, share, ou
 function frameOf(corners) {
   const center = [0, 1, 2].map((axis) => (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3);
   const x = unit(corners[1].map((value, axis) => value - corners[0][axis]));
-  const z = unit(cross(x, corners[2].map((value, axis) => value - corners[0][axis])));
+  const z = unit(
+    cross(
+      x,
+      corners[2].map((value, axis) => value - corners[0][axis]),
+    ),
+  );
   const y = cross(z, x);
   const local = corners.map((corner) => {
     const arm = corner.map((value, axis) => value - center[axis]);
@@ -176,7 +204,8 @@ function slerp(p, q, t) {
   const sign = cosine < 0 ? -1 : 1;
   cosine *= sign;
   const angle = Math.acos(Math.min(1, cosine));
-  const [from, to] = angle < 1e-6 ? [1 - t, t] : [Math.sin((1 - t) * angle) / Math.sin(angle), Math.sin(t * angle) / Math.sin(angle)];
+  const [from, to] =
+    angle < 1e-6 ? [1 - t, t] : [Math.sin((1 - t) * angle) / Math.sin(angle), Math.sin(t * angle) / Math.sin(angle)];
   const mixed = p.map((value, k) => from * value + to * sign * q[k]);
   const size = Math.hypot(...mixed);
   return mixed.map((value) => value / size);

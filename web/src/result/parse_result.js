@@ -26,16 +26,22 @@ export function parseRuledObj(text) {
     let end = text.indexOf("\n", from);
     if (end < 0) end = text.length;
     const kind = text.charCodeAt(from);
-    if (kind === 118) {  // v, vt
+    if (kind === 118) {
+      // v, vt
       const words = text.slice(from, end).split(/\s+/);
       if (words[0] === "v") points.push(Number(words[1]), Number(words[2]), Number(words[3]));
       if (words[0] === "vt") uvs.push(Number(words[1]), Number(words[2]));
-    } else if (kind === 103) {  // g patch_<id>
+    } else if (kind === 103) {
+      // g patch_<id>
       const id = Number(/^g\s+patch_(\d+)/.exec(text.slice(from, end))?.[1]);
       if (!groups.has(id)) groups.set(id, []);
       faces = groups.get(id);
-    } else if (kind === 102 && faces) {  // f v/vt v/vt v/vt
-      for (const word of text.slice(from + 1, end).trim().split(/\s+/)) {
+    } else if (kind === 102 && faces) {
+      // f v/vt v/vt v/vt
+      for (const word of text
+        .slice(from + 1, end)
+        .trim()
+        .split(/\s+/)) {
         const slash = word.indexOf("/");
         faces.push(Number(word.slice(0, slash)) - 1, Number.parseInt(word.slice(slash + 1), 10) - 1);
       }
@@ -51,9 +57,14 @@ export function parseResult(objText, layout) {
   const center = middle(points);
   const arrays = { position: [], flat: [], source: [] };
   const archOfEdge = archEdges(layout.arches);
-  const parts = layout.patches.map((patch) => makePart(patch, groups.get(patch.id) ?? [], { points, uvs, center, arrays, archOfEdge }));
+  const parts = layout.patches.map((patch) =>
+    makePart(patch, groups.get(patch.id) ?? [], { points, uvs, center, arrays, archOfEdge }),
+  );
   const model = {
-    layout, parts, center, scale: layout.scale ?? 1,
+    layout,
+    parts,
+    center,
+    scale: layout.scale ?? 1,
     position: Float64Array.from(arrays.position),
     flat: Float64Array.from(arrays.flat),
     source: Uint32Array.from(arrays.source),
@@ -90,7 +101,8 @@ const edgeKey = (a, b) => (a < b ? `${a},${b}` : `${b},${a}`);
 function archEdges(arches) {
   const map = new Map();
   for (const arch of arches) {
-    for (let k = 0; k + 1 < arch.vertices.length; k++) map.set(edgeKey(arch.vertices[k], arch.vertices[k + 1]), arch.id);
+    for (let k = 0; k + 1 < arch.vertices.length; k++)
+      map.set(edgeKey(arch.vertices[k], arch.vertices[k + 1]), arch.id);
   }
   return map;
 }
@@ -102,12 +114,19 @@ function makeSeam(arch, points, layout) {
     length += Math.hypot(points[a] - points[b], points[a + 1] - points[b + 1], points[a + 2] - points[b + 2]);
   }
   const [p, q] = arch.patches;
-  return { id: arch.id, name: arch.label ?? String(arch.id + 1), parts: [p, q], border: q === null, self: p === q, length: length * (layout.scale ?? 1) };
+  return {
+    id: arch.id,
+    name: arch.label ?? String(arch.id + 1),
+    parts: [p, q],
+    border: q === null,
+    self: p === q,
+    length: length * (layout.scale ?? 1),
+  };
 }
 
 function makePart(patch, corners, { points, uvs, center, arrays, archOfEdge }) {
   const begin = arrays.source.length;
-  const local = new Map();  // vt -> vertex of the model
+  const local = new Map(); // vt -> vertex of the model
   const triangles = [];
   for (let k = 0; k < corners.length; k += 2) {
     const [v, vt] = [corners[k], corners[k + 1]];
@@ -119,8 +138,15 @@ function makePart(patch, corners, { points, uvs, center, arrays, archOfEdge }) {
     }
     triangles.push(local.get(vt));
   }
-  const part = { id: patch.id, label: patch.label ?? String(patch.id), mirrorOf: patch.mirror_of ?? null, sheet: patch.sheet ?? 0,
-                 begin, end: arrays.source.length, triangles: Uint32Array.from(triangles) };
+  const part = {
+    id: patch.id,
+    label: patch.label ?? String(patch.id),
+    mirrorOf: patch.mirror_of ?? null,
+    sheet: patch.sheet ?? 0,
+    begin,
+    end: arrays.source.length,
+    triangles: Uint32Array.from(triangles),
+  };
   const edges = sidesOf(part.triangles);
   part.outline = outlineOf(edges);
   part.outlineSeams = Int32Array.from(part.outline, (v, k) => {
@@ -167,7 +193,7 @@ export const BEND_STEP = 4;
 /** Of rulings in the order of the sweep, those to draw, as pairs of vertices: one for every BEND_STEP degrees. */
 function thinned(rulings, position) {
   const out = [];
-  let turned = (BEND_STEP * Math.PI) / 360;  // the first one after half a step
+  let turned = (BEND_STEP * Math.PI) / 360; // the first one after half a step
   for (const [first, second] of rulings) {
     turned += Math.abs(bend(position, first[0], first[1], first[2], second[2]));
     if (turned < (BEND_STEP * Math.PI) / 180) continue;
@@ -208,14 +234,18 @@ function measureFlat(part, flat) {
 /** A colour number per part so that neighbours differ: greedy, most neighbours first, least used colour preferred. */
 export function colorsOf(layout, colors = 8) {
   const neighbours = new Map(layout.patches.map((patch) => [patch.id, new Set()]));
-  for (const { patches: [p, q] } of layout.arches) {
+  for (const {
+    patches: [p, q],
+  } of layout.arches) {
     if (q === null || p === q) continue;
     neighbours.get(p)?.add(q);
     neighbours.get(q)?.add(p);
   }
   const chosen = new Map();
   const used = new Array(colors).fill(0);
-  const order = layout.patches.map((p) => p.id).sort((a, b) => neighbours.get(b).size - neighbours.get(a).size || a - b);
+  const order = layout.patches
+    .map((p) => p.id)
+    .sort((a, b) => neighbours.get(b).size - neighbours.get(a).size || a - b);
   for (const id of order) {
     const taken = new Set([...neighbours.get(id)].map((n) => chosen.get(n)));
     let best = -1;

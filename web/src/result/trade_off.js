@@ -23,7 +23,12 @@ export function relatives(job, all) {
 export function curve(job, all) {
   const points = relatives(job, all)
     .filter((other) => other.status === "successful" && Number.isFinite(other.report?.hausdorff))
-    .map((other) => ({ job: other, error: other.report.hausdorff, parts: other.report.patches, cut: other.report.cut_length ?? NaN }))
+    .map((other) => ({
+      job: other,
+      error: other.report.hausdorff,
+      parts: other.report.patches,
+      cut: other.report.cut_length ?? NaN,
+    }))
     .sort((a, b) => a.error - b.error || a.parts - b.parts);
   let fewest = Infinity;
   for (const point of points) {
@@ -35,6 +40,8 @@ export function curve(job, all) {
 
 /** Tolerances of the sweep that no job of the family has asked for yet. */
 export function missing(job, all) {
-  const asked = relatives(job, all).filter((other) => other.status !== "failed" && other.status !== "dismissed").map((other) => other.parameters.e_max);
+  const asked = relatives(job, all)
+    .filter((other) => other.status !== "failed" && other.status !== "dismissed")
+    .map((other) => other.parameters.e_max);
   return SWEEP.filter((e) => !asked.some((other) => Math.abs(other / e - 1) < 0.02));
 }

@@ -13,20 +13,68 @@ export function certificate(model) {
   const mm = (fraction) => millimetres(fraction * (input.bbox_diagonal ?? 0) * model.scale);
   const inner = countInner(model);
   const rows = [
-    [stretch.share <= 1e-6, "No stretch", `Each sheet only bends: no length changes by more than ${lengthText(stretch.absolute)}.`],
-    [overlaps.length === 0, "No overlap", overlaps.length === 0 ? "No outline crosses itself when the sheet lies flat." : `Outlines cross themselves: ${overlaps.join(", ")}.`],
-    [gap <= 1e-3, "Matching seams", `Both sides of every seam are equally long, to ${lengthText(gap)}, and meet without a gap.`],
-    [inner === 0, "Bends only", "Every bend line runs from edge to edge of its sheet; there is no point to press or stretch."],
-    [met, met ? "Within tolerance" : "Tolerance not met", met
-      ? `Nowhere farther than ${mm(report.hausdorff)} from your mesh, measured both ways (asked for: ${mm(parameters.e_max)}).`
-      : `The worst place is ${mm(report.hausdorff)} off, ${percent(report.hausdorff)} of the diagonal; asked for was ${percent(parameters.e_max)}. Show “Error” in the 3D view to see where.`],
+    [
+      stretch.share <= 1e-6,
+      "No stretch",
+      `Each sheet only bends: no length changes by more than ${lengthText(stretch.absolute)}.`,
+    ],
+    [
+      overlaps.length === 0,
+      "No overlap",
+      overlaps.length === 0
+        ? "No outline crosses itself when the sheet lies flat."
+        : `Outlines cross themselves: ${overlaps.join(", ")}.`,
+    ],
+    [
+      gap <= 1e-3,
+      "Matching seams",
+      `Both sides of every seam are equally long, to ${lengthText(gap)}, and meet without a gap.`,
+    ],
+    [
+      inner === 0,
+      "Bends only",
+      "Every bend line runs from edge to edge of its sheet; there is no point to press or stretch.",
+    ],
+    [
+      met,
+      met ? "Within tolerance" : "Tolerance not met",
+      met
+        ? `Nowhere farther than ${mm(report.hausdorff)} from your mesh, measured both ways (asked for: ${mm(parameters.e_max)}).`
+        : `The worst place is ${mm(report.hausdorff)} off, ${percent(report.hausdorff)} of the diagonal; asked for was ${percent(parameters.e_max)}. Show “Error” in the 3D view to see where.`,
+    ],
   ];
   const broken = rows.some(([good]) => !good);
-  return h("details", { class: "certificate", open: true },
-    h("summary", {}, h("span", { class: broken ? "seal warn" : "seal" }, icon(broken ? "warn" : "check", 18)), "Certificate"),
-    h("ul", {}, rows.map(([good, title, text]) => h("li", { class: good ? "good" : "not" },
-      h("span", { class: "mark", "aria-label": good ? "holds" : "does not hold", role: "img" }, icon(good ? "check" : "warn", 16)), h("div", {}, h("strong", {}, title), h("p", { class: "hint" }, text))))),
-    h("p", { class: "hint foot" }, "The first four were measured again in this browser, from the files alone; the distance to the mesh is the server's."));
+  return h(
+    "details",
+    { class: "certificate", open: true },
+    h(
+      "summary",
+      {},
+      h("span", { class: broken ? "seal warn" : "seal" }, icon(broken ? "warn" : "check", 18)),
+      "Certificate",
+    ),
+    h(
+      "ul",
+      {},
+      rows.map(([good, title, text]) =>
+        h(
+          "li",
+          { class: good ? "good" : "not" },
+          h(
+            "span",
+            { class: "mark", "aria-label": good ? "holds" : "does not hold", role: "img" },
+            icon(good ? "check" : "warn", 16),
+          ),
+          h("div", {}, h("strong", {}, title), h("p", { class: "hint" }, text)),
+        ),
+      ),
+    ),
+    h(
+      "p",
+      { class: "hint foot" },
+      "The first four were measured again in this browser, from the files alone; the distance to the mesh is the server's.",
+    ),
+  );
 }
 
 function lengthText(mm) {

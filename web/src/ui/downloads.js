@@ -16,14 +16,38 @@ const ORDER = Object.keys(KNOWN);
 
 export function downloads(files, job) {
   const names = Object.keys(files).sort((a, b) => rank(a) - rank(b) || (a < b ? -1 : 1));
-  return h("section", { class: "downloads" },
-    h("a", { class: "button primary wide", href: zipHref(job.jobID), download: "" }, icon("download"), "Everything as ZIP"),
-    h("ul", { class: "files-list" }, names.map((name) => {
-      const [title, text] = KNOWN[name] ?? [files[name].title ?? name, ""];
-      return h("li", {}, h("a", { href: files[name].href, download: name },
-        h("span", { class: "file-icon", "aria-hidden": "true" }, name.split(".").pop()),
-        h("span", {}, h("strong", {}, title), h("span", { class: "hint" }, [text, name, bytes(files[name].length ?? 0)].filter(Boolean).join(" · ")))));
-    })));
+  return h(
+    "section",
+    { class: "downloads" },
+    h(
+      "a",
+      { class: "button primary wide", href: zipHref(job.jobID), download: "" },
+      icon("download"),
+      "Everything as ZIP",
+    ),
+    h(
+      "ul",
+      { class: "files-list" },
+      names.map((name) => {
+        const [title, text] = KNOWN[name] ?? [files[name].title ?? name, ""];
+        return h(
+          "li",
+          {},
+          h(
+            "a",
+            { href: files[name].href, download: name },
+            h("span", { class: "file-icon", "aria-hidden": "true" }, name.split(".").pop()),
+            h(
+              "span",
+              {},
+              h("strong", {}, title),
+              h("span", { class: "hint" }, [text, name, bytes(files[name].length ?? 0)].filter(Boolean).join(" · ")),
+            ),
+          ),
+        );
+      }),
+    ),
+  );
 }
 
 const rank = (name) => (ORDER.includes(name) ? ORDER.indexOf(name) : ORDER.length);

@@ -11,38 +11,81 @@ import { illustration } from "./illustration.js";
 
 /** A file chooser that opens drafts; the returned input must be in the page. */
 function chooser(go) {
-  return h("input", { type: "file", accept: ACCEPTED, multiple: true, class: "visually-hidden", id: "file", tabindex: "-1", "aria-hidden": "true",
+  return h("input", {
+    type: "file",
+    accept: ACCEPTED,
+    multiple: true,
+    class: "visually-hidden",
+    id: "file",
+    tabindex: "-1",
+    "aria-hidden": "true",
     onchange: (event) => {
       if (event.target.files.length > 0) {
         drafts.open(event.target.files);
         go("#new");
       }
-    } });
+    },
+  });
 }
 
 export function homePage({ go }) {
   const input = chooser(go);
-  const drop = h("div", { class: "drop" }, illustration(), h("div", { class: "drop-text" },
-    h("h1", {}, "From a mesh to sheets you can cut"),
-    h("p", { class: "lead" }, "Drop a 3D model. It comes back as flat parts that bend into its shape without stretching: paper, card, plywood or metal."),
-    h("div", { class: "row center" },
-      h("button", { class: "primary large", type: "button", onclick: () => input.click() }, icon("upload"), "Choose a mesh"), input),
-    h("p", { class: "hint" }, "or drop it anywhere on this page. STL, OBJ, PLY or OFF, several at once if you like.")));
-  const samples = h("section", { class: "samples", "aria-labelledby": "samples-title" },
+  const drop = h(
+    "div",
+    { class: "drop" },
+    illustration(),
+    h(
+      "div",
+      { class: "drop-text" },
+      h("h1", {}, "From a mesh to sheets you can cut"),
+      h(
+        "p",
+        { class: "lead" },
+        "Drop a 3D model. It comes back as flat parts that bend into its shape without stretching: paper, card, plywood or metal.",
+      ),
+      h(
+        "div",
+        { class: "row center" },
+        h(
+          "button",
+          { class: "primary large", type: "button", onclick: () => input.click() },
+          icon("upload"),
+          "Choose a mesh",
+        ),
+        input,
+      ),
+      h("p", { class: "hint" }, "or drop it anywhere on this page. STL, OBJ, PLY or OFF, several at once if you like."),
+    ),
+  );
+  const samples = h(
+    "section",
+    { class: "samples", "aria-labelledby": "samples-title" },
     h("h2", { id: "samples-title" }, "No file at hand? Try a shape"),
-    h("div", { class: "chips" }, SAMPLES.map((sample) => h("button", { type: "button", class: "chip", title: sample.text, onclick: () => openSample(sample, go) }, sample.title))));
+    h(
+      "div",
+      { class: "chips" },
+      SAMPLES.map((sample) =>
+        h(
+          "button",
+          { type: "button", class: "chip", title: sample.text, onclick: () => openSample(sample, go) },
+          sample.title,
+        ),
+      ),
+    ),
+  );
   const list = h("div", { class: "cards" });
   const heading = h("h2", {}, "Your jobs");
   const section = h("section", { class: "jobs" }, heading, list);
   const urls = new Map();
   const update = () => {
     showJobs(section, list, urls);
-    drop.classList.toggle("compact", !section.hidden);  // the jobs shall be in sight
+    drop.classList.toggle("compact", !section.hidden); // the jobs shall be in sight
   };
   update();
   const stop = jobs.onChange(update);
   return {
-    title: "", element: h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section),
+    title: "",
+    element: h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section),
     dispose() {
       stop();
       for (const url of urls.values()) URL.revokeObjectURL(url);
@@ -60,16 +103,25 @@ export function openSample(sample, go) {
 function showJobs(section, list, urls) {
   const all = jobs.newestFirst();
   section.hidden = all.length === 0;
-  replace(list, all.map((job) => card(job, urls)));
+  replace(
+    list,
+    all.map((job) => card(job, urls)),
+  );
 }
 
 function card(job, urls) {
-  return h("a", { class: `card ${job.status}`, href: `#job/${job.jobID}` },
+  return h(
+    "a",
+    { class: `card ${job.status}`, href: `#job/${job.jobID}` },
     h("div", { class: "thumb" }, thumbnail(job, urls)),
-    h("div", { class: "card-text" },
+    h(
+      "div",
+      { class: "card-text" },
       h("strong", {}, titleOf(job)),
       h("span", { class: "hint" }, subtitle(job)),
-      ACTIVE.has(job.status) && h("progress", { max: "100", value: job.progress, "aria-label": "progress" })));
+      ACTIVE.has(job.status) && h("progress", { max: "100", value: job.progress, "aria-label": "progress" }),
+    ),
+  );
 }
 
 function thumbnail(job, urls) {
@@ -80,7 +132,8 @@ function thumbnail(job, urls) {
   const url = urls.get(job.jobID);
   if (url) return h("img", { src: url, alt: "" });
   // Another device, or a forgetful browser: the cut drawing is a picture, too.
-  if (job.status === "successful") return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
+  if (job.status === "successful")
+    return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
   return icon(job.status === "failed" ? "warn" : "cube", 34);
 }
 
@@ -88,9 +141,16 @@ function subtitle(job) {
   const when = ago(job.created);
   if (job.status === "successful") {
     const { patches, hausdorff } = job.report ?? {};
-    return [patches && count(patches, "part"), Number.isFinite(hausdorff) && `within ${errorText(job, hausdorff)}`, when].filter(Boolean).join(" · ");
+    return [
+      patches && count(patches, "part"),
+      Number.isFinite(hausdorff) && `within ${errorText(job, hausdorff)}`,
+      when,
+    ]
+      .filter(Boolean)
+      .join(" · ");
   }
-  if (job.status === "accepted") return job.queuePosition > 1 ? `waits, number ${job.queuePosition} in the queue` : "waits";
+  if (job.status === "accepted")
+    return job.queuePosition > 1 ? `waits, number ${job.queuePosition} in the queue` : "waits";
   if (job.status === "running") return `${job.progress} %`;
   if (job.status === "failed") return `failed · ${when}`;
   return `cancelled · ${when}`;

@@ -23,6 +23,9 @@ const PATHS = {
 };
 
 export function icon(name, size = 20) {
-  return s("svg", { class: "icon", viewBox: "0 0 24 24", width: size, height: size, "aria-hidden": "true" },
-    s("path", { d: PATHS[name] }));
+  return s(
+    "svg",
+    { class: "icon", viewBox: "0 0 24 24", width: size, height: size, "aria-hidden": "true" },
+    s("path", { d: PATHS[name] }),
+  );
 }

@@ -29,25 +29,59 @@ export function illustration() {
   const lamp = s("g", { transform: "translate(120 36)" });
   // From back to front; of those behind one sees the inside.
   const angle = (k) => (2 * Math.PI * k) / GORES;
-  const order = Array.from({ length: GORES }, (_, k) => k).sort((a, b) => Math.sin(angle(a + 0.5)) - Math.sin(angle(b + 0.5)));
+  const order = Array.from({ length: GORES }, (_, k) => k).sort(
+    (a, b) => Math.sin(angle(a + 0.5)) - Math.sin(angle(b + 0.5)),
+  );
   for (const k of order) {
     const side = (at) => rows.map((t) => seen(t, at));
     const inside = Math.sin(angle(k + 0.5)) < 0;
-    lamp.append(s("path", { class: inside ? "sheet inside" : `sheet color-${k}`, d: `${path([...side(angle(k)), ...side(angle(k + 1)).reverse()])}Z` }));
+    lamp.append(
+      s("path", {
+        class: inside ? "sheet inside" : `sheet color-${k}`,
+        d: `${path([...side(angle(k)), ...side(angle(k + 1)).reverse()])}Z`,
+      }),
+    );
     if (inside) continue;
-    for (let r = 3; r < ROWS; r += 3) lamp.append(s("path", { class: "ruling", d: path([seen(rows[r], angle(k)), seen(rows[r], angle(k + 1))]) }));
+    for (let r = 3; r < ROWS; r += 3)
+      lamp.append(s("path", { class: "ruling", d: path([seen(rows[r], angle(k)), seen(rows[r], angle(k + 1))]) }));
   }
   const sheets = s("g", {});
   for (let k = 0; k < GORES / 2; k++) {
-    const left = rows.map((t) => { const [w, y] = flat(t); return [-w, y]; });
+    const left = rows.map((t) => {
+      const [w, y] = flat(t);
+      return [-w, y];
+    });
     const right = rows.map((t) => flat(t)).reverse();
-    const group = s("g", { transform: `translate(${302 + 56 * k} 182)` }, s("path", { class: `sheet color-${k}`, d: `${path([...left, ...right])}Z` }));
+    const group = s(
+      "g",
+      { transform: `translate(${302 + 56 * k} 182)` },
+      s("path", { class: `sheet color-${k}`, d: `${path([...left, ...right])}Z` }),
+    );
     for (let r = 3; r < ROWS; r += 3) {
       const [w, y] = flat(rows[r]);
-      group.append(s("path", { class: "ruling", d: path([[-w, y], [w, y]]) }));
+      group.append(
+        s("path", {
+          class: "ruling",
+          d: path([
+            [-w, y],
+            [w, y],
+          ]),
+        }),
+      );
     }
     sheets.append(group);
   }
   const arrow = s("path", { class: "arrow", d: "M216 108h42m0 0-9-8m9 8-9 8" });
-  return s("svg", { class: "illustration", viewBox: "30 10 540 190", role: "img", "aria-label": "A lampshade, and the flat parts it is made of" }, lamp, arrow, sheets);
+  return s(
+    "svg",
+    {
+      class: "illustration",
+      viewBox: "30 10 540 190",
+      role: "img",
+      "aria-label": "A lampshade, and the flat parts it is made of",
+    },
+    lamp,
+    arrow,
+    sheets,
+  );
 }

@@ -24,7 +24,7 @@ class JobPage {
 
   constructor(context) {
     Object.assign(this, context);
-    this.shown = "";  // the state on show
+    this.shown = ""; // the state on show
   }
 
   async start() {
@@ -61,7 +61,9 @@ class JobPage {
       return;
     }
     this.title = this.heading.textContent = titleOf(job);
-    document.title = ACTIVE.has(job.status) ? `${job.progress} % · ${this.title} · sheetform` : `${this.title} · sheetform`;
+    document.title = ACTIVE.has(job.status)
+      ? `${job.progress} % · ${this.title} · sheetform`
+      : `${this.title} · sheetform`;
     const kind = ACTIVE.has(job.status) ? "active" : job.status;
     if (kind === "active") this.showProgress(job);
     if (kind === this.shown) return;
@@ -77,7 +79,12 @@ class JobPage {
       if (before !== "active") this.showInput(job);
     }
     if (kind === "successful") this.showResult(job);
-    if (before === "active") announce({ successful: "The sheets are ready.", failed: "The job has failed.", dismissed: "The job was cancelled." }[kind] ?? "");
+    if (before === "active")
+      announce(
+        { successful: "The sheets are ready.", failed: "The job has failed.", dismissed: "The job was cancelled." }[
+          kind
+        ] ?? "",
+      );
   }
 
   up(mesh) {
@@ -86,7 +93,9 @@ class JobPage {
 
   /** The uploaded mesh, read once; null when it cannot be had. */
   mesh() {
-    this.meshPromise ??= getInput(this.id).then(inspectFile).catch(() => null);
+    this.meshPromise ??= getInput(this.id)
+      .then(inspectFile)
+      .catch(() => null);
     return this.meshPromise;
   }
 
@@ -95,7 +104,11 @@ class JobPage {
     const mesh = await this.mesh();
     if (this.gone || this.shown === "successful") return;
     if (!mesh) return this.stage.clear("The mesh cannot be shown.");
-    this.stage.showInput(mesh, { up: this.up(mesh), scale: job.parameters?.scale ?? 1, places: placesOf(job.exception, mesh) });
+    this.stage.showInput(mesh, {
+      up: this.up(mesh),
+      scale: job.parameters?.scale ?? 1,
+      places: placesOf(job.exception, mesh),
+    });
   }
 
   showProgress(job) {
@@ -106,10 +119,18 @@ class JobPage {
     const elapsed = job.started ? (Date.now() - new Date(job.started).getTime()) / 1000 : 0;
     this.progress ??= this.makeProgress();
     const { bar, percentText, times, stages, heading, facts } = this.progress;
-    heading.textContent = waiting ? (job.queuePosition > 1 ? `Waits: number ${job.queuePosition} in the queue` : "Starts in a moment") : "Making the sheets";
+    heading.textContent = waiting
+      ? job.queuePosition > 1
+        ? `Waits: number ${job.queuePosition} in the queue`
+        : "Starts in a moment"
+      : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
     percentText.textContent = waiting ? "–" : `${job.progress} %`;
-    times.textContent = waiting ? "" : [`${duration(elapsed)} so far`, left !== null && `about ${duration(Math.max(1, left))} left`].filter(Boolean).join(" · ");
+    times.textContent = waiting
+      ? ""
+      : [`${duration(elapsed)} so far`, left !== null && `about ${duration(Math.max(1, left))} left`]
+          .filter(Boolean)
+          .join(" · ");
     stages.forEach((item, k) => {
       item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
       item.toggleAttribute("aria-current", !waiting && k === done);
@@ -125,24 +146,65 @@ class JobPage {
     const heading = h("h2", {});
     const facts = h("div", {});
     const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
-    const cancel = h("button", { type: "button", onclick: async () => {
-      cancel.disabled = true;
-      try { await jobs.dismiss(this.id); } catch (error) { replace(facts, problemBox(error)); }
-      cancel.disabled = false;
-    } }, icon("close", 18), "Cancel");
-    const element = h("div", { class: "progress-panel" }, heading, h("div", { class: "percent-row" }, percentText, times), bar, h("ol", { class: "stages" }, stages), facts, h("div", { class: "row" }, cancel));
+    const cancel = h(
+      "button",
+      {
+        type: "button",
+        onclick: async () => {
+          cancel.disabled = true;
+          try {
+            await jobs.dismiss(this.id);
+          } catch (error) {
+            replace(facts, problemBox(error));
+          }
+          cancel.disabled = false;
+        },
+      },
+      icon("close", 18),
+      "Cancel",
+    );
+    const element = h(
+      "div",
+      { class: "progress-panel" },
+      heading,
+      h("div", { class: "percent-row" }, percentText, times),
+      bar,
+      h("ol", { class: "stages" }, stages),
+      facts,
+      h("div", { class: "row" }, cancel),
+    );
     return { element, bar, percentText, times, stages, heading, facts };
   }
 
   showEnded(job) {
-    const again = h("button", { type: "button", class: "primary", onclick: () => this.runAgain(job) }, icon("again", 18), "Change settings");
+    const again = h(
+      "button",
+      { type: "button", class: "primary", onclick: () => this.runAgain(job) },
+      icon("again", 18),
+      "Change settings",
+    );
     const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
-    const remove = h("button", { type: "button", onclick: () => this.act(() => jobs.dismiss(this.id)) }, icon("trash", 18), "Remove");
+    const remove = h(
+      "button",
+      { type: "button", onclick: () => this.act(() => jobs.dismiss(this.id)) },
+      icon("trash", 18),
+      "Remove",
+    );
     this.note = h("div", {});
-    replace(this.panel, job.status === "failed"
-      ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, again, retry, remove)
-      : h("section", {}, h("h2", {}, "Cancelled"), h("p", {}, "The job was stopped before it was done."), h("div", { class: "row" }, again, retry, remove)),
-    factsOf(job), this.note);
+    replace(
+      this.panel,
+      job.status === "failed"
+        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, again, retry, remove)
+        : h(
+            "section",
+            {},
+            h("h2", {}, "Cancelled"),
+            h("p", {}, "The job was stopped before it was done."),
+            h("div", { class: "row" }, again, retry, remove),
+          ),
+      factsOf(job),
+      this.note,
+    );
   }
 
   async act(action) {
@@ -170,8 +232,18 @@ class JobPage {
 
   showResult(job) {
     this.result?.dispose();
-    this.result = new ResultView({ job, stage: this.stage, process: this.process, panel: this.panel, work: this.element, mesh: () => this.mesh(), up: (mesh) => this.up(mesh),
-      material: recall("jobs", {})[this.id]?.material, runAgain: (change) => this.runAgain(job, change), remove: () => jobs.dismiss(this.id).then(() => this.go("#")) });
+    this.result = new ResultView({
+      job,
+      stage: this.stage,
+      process: this.process,
+      panel: this.panel,
+      work: this.element,
+      mesh: () => this.mesh(),
+      up: (mesh) => this.up(mesh),
+      material: recall("jobs", {})[this.id]?.material,
+      runAgain: (change) => this.runAgain(job, change),
+      remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
+    });
     this.result.open();
   }
 }
@@ -181,20 +253,30 @@ export function factsOf(job) {
   const mesh = job.inputs?.mesh;
   if (!mesh) return null;
   const size = mesh.sizeMm?.map((value) => millimetres(value)).join(" × ");
-  return h("p", { class: "hint" }, [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "));
+  return h(
+    "p",
+    { class: "hint" },
+    [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "),
+  );
 }
 
 /** Places in the mesh that a problem names ("face 12", "vertex 7", "(1.5, 2, 3)"), relative to the mesh's centre. */
 export function placesOf(problem, mesh) {
   const places = [];
   for (const text of [problem?.where, ...(problem?.errors ?? []).map((item) => item.detail)]) {
-    for (const match of String(text ?? "").matchAll(/\(\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*\)/g)) {
+    for (const match of String(text ?? "").matchAll(
+      /\(\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*\)/g,
+    )) {
       places.push(match.slice(1, 4).map((value, axis) => Number(value) - mesh.center[axis]));
     }
     for (const match of String(text ?? "").matchAll(/\bface (\d+)/g)) {
       const k = 3 * Number(match[1]);
       if (k + 2 >= mesh.indices.length) continue;
-      places.push([0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, corner) => sum + mesh.positions[3 * mesh.indices[k + corner] + axis] / 3, 0)));
+      places.push(
+        [0, 1, 2].map((axis) =>
+          [0, 1, 2].reduce((sum, corner) => sum + mesh.positions[3 * mesh.indices[k + corner] + axis] / 3, 0),
+        ),
+      );
     }
   }
   return places.filter((place) => place.every(Number.isFinite)).slice(0, 200);

@@ -21,8 +21,11 @@ export function readNumber(text, schema) {
   const value = Number(trimmed);
   if (!Number.isFinite(value)) return [undefined, "This is not a number."];
   if (schema.type === "integer" && !Number.isInteger(value)) return [undefined, "A whole number is needed here."];
-  if (schema.exclusiveMinimum !== undefined && value <= schema.exclusiveMinimum) return [undefined, `More than ${schema.exclusiveMinimum} is needed.`];
-  if (schema.minimum !== undefined && value < schema.minimum) return [undefined, `At least ${schema.minimum} is needed.`];
-  if (schema.maximum !== undefined && value > schema.maximum) return [undefined, `At most ${schema.maximum} is allowed.`];
+  if (schema.exclusiveMinimum !== undefined && value <= schema.exclusiveMinimum)
+    return [undefined, `More than ${schema.exclusiveMinimum} is needed.`];
+  if (schema.minimum !== undefined && value < schema.minimum)
+    return [undefined, `At least ${schema.minimum} is needed.`];
+  if (schema.maximum !== undefined && value > schema.maximum)
+    return [undefined, `At most ${schema.maximum} is allowed.`];
   return [value, null];
 }

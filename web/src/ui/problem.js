@@ -14,11 +14,16 @@ export function wordsOf(error) {
 export function problemBox(error, ...actions) {
   const { title, detail, where, fix, errors = [] } = wordsOf(error);
   const sentence = (text) => text && `${text[0].toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
-  return h("section", { class: "problem", role: "alert" },
+  return h(
+    "section",
+    { class: "problem", role: "alert" },
     h("div", { class: "problem-head" }, icon("warn"), h("h2", {}, title)),
     detail && detail !== title && h("p", {}, sentence(detail)),
     where && h("p", { class: "where" }, h("span", { class: "tag" }, "Where"), " ", where),
-    errors.map((item) => h("p", { class: "where" }, item.pointer && h("span", { class: "tag" }, item.pointer), " ", item.detail)),
+    errors.map((item) =>
+      h("p", { class: "where" }, item.pointer && h("span", { class: "tag" }, item.pointer), " ", item.detail),
+    ),
     fix && h("p", {}, h("span", { class: "tag good" }, "What to do"), " ", sentence(fix)),
-    actions.length > 0 && h("div", { class: "row" }, actions));
+    actions.length > 0 && h("div", { class: "row" }, actions),
+  );
 }

@@ -25,21 +25,42 @@ export function commands(job, process, origin) {
 
 export function reproduce(job, process) {
   const { terminal, curl } = commands(job, process, location.origin);
-  return h("details", { class: "more" }, h("summary", {}, "Make it again"),
-    copyRow("Link to this result", location.href), copyRow("On a terminal", terminal), copyRow("Over HTTP", curl),
-    job.inputs?.mesh?.sha256 && h("p", { class: "hint" }, "The same mesh, parameters and version give the same bytes. Mesh: SHA-256 ", h("code", {}, job.inputs.mesh.sha256.slice(0, 16)), " …"));
+  return h(
+    "details",
+    { class: "more" },
+    h("summary", {}, "Make it again"),
+    copyRow("Link to this result", location.href),
+    copyRow("On a terminal", terminal),
+    copyRow("Over HTTP", curl),
+    job.inputs?.mesh?.sha256 &&
+      h(
+        "p",
+        { class: "hint" },
+        "The same mesh, parameters and version give the same bytes. Mesh: SHA-256 ",
+        h("code", {}, job.inputs.mesh.sha256.slice(0, 16)),
+        " …",
+      ),
+  );
 }
 
 function copyRow(title, text) {
-  const button = h("button", { type: "button", class: "small right", onclick: async () => {
-    try {
-      await navigator.clipboard.writeText(text);
-      button.textContent = "Copied";
-      announce("Copied");
-    } catch {
-      getSelection().selectAllChildren(code);
-    }
-  } }, "Copy");
+  const button = h(
+    "button",
+    {
+      type: "button",
+      class: "small right",
+      onclick: async () => {
+        try {
+          await navigator.clipboard.writeText(text);
+          button.textContent = "Copied";
+          announce("Copied");
+        } catch {
+          getSelection().selectAllChildren(code);
+        }
+      },
+    },
+    "Copy",
+  );
   const code = h("code", { class: "command", tabindex: "0", role: "group", "aria-label": title }, text);
   return h("div", { class: "copy-row" }, h("div", { class: "row" }, h("strong", {}, title), button), code);
 }

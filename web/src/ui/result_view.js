@@ -14,7 +14,11 @@ import { reproduce } from "./reproduce.js";
 import { tradeOff } from "./trade_off_chart.js";
 import { viewControls } from "./view_controls.js";
 
-const TABS = [["result", "Result"], ["parts", "Parts"], ["files", "Files"]];
+const TABS = [
+  ["result", "Result"],
+  ["parts", "Parts"],
+  ["files", "Files"],
+];
 /** On a narrow screen one thing is shown at a time. */
 const NARROW = [["shape", "Shape"], ["flat", "Flat"], ...TABS];
 
@@ -34,7 +38,11 @@ export class ResultView {
       this.model = parseResult(obj, JSON.parse(layout));
       this.show();
     } catch (error) {
-      if (!this.gone) replace(this.panel, problemBox(error.problem ? error : { title: "The result cannot be shown", detail: error.message }));
+      if (!this.gone)
+        replace(
+          this.panel,
+          problemBox(error.problem ? error : { title: "The result cannot be shown", detail: error.message }),
+        );
     }
   }
 
@@ -46,18 +54,31 @@ export class ResultView {
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
     const panes = {
-      result: h("div", { class: "tab-pane" }, figures(model, job), certificate(model), tradeOff(job, model.scale, this.stops),
-        h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"), h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"))),
+      result: h(
+        "div",
+        { class: "tab-pane" },
+        figures(model, job),
+        certificate(model),
+        tradeOff(job, model.scale, this.stops),
+        h(
+          "div",
+          { class: "row" },
+          h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"),
+          h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"),
+        ),
+      ),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
       files: h("div", { class: "tab-pane" }, downloads(this.files, job), reproduce(job, this.process)),
     };
     this.showTabs(panes);
     this.listenToEscape();
     // The picture on the job's card, once the first frame stands.
-    requestAnimationFrame(() => requestAnimationFrame(() => {
-      if (!this.gone && stage.viewport) keepPicture(job.jobID, stage.viewport.picture());
-      document.documentElement.dataset.ready = job.jobID;
-    }));
+    requestAnimationFrame(() =>
+      requestAnimationFrame(() => {
+        if (!this.gone && stage.viewport) keepPicture(job.jobID, stage.viewport.picture());
+        document.documentElement.dataset.ready = job.jobID;
+      }),
+    );
   }
 
   /** Escape lets go of what is chosen, wherever the focus is. */
@@ -78,17 +99,38 @@ export class ResultView {
         button.tabIndex = on ? 0 : -1;
       }
     };
-    const makeTab = ([id, title]) => h("button", { type: "button", role: "tab", "data-tab": id, class: `tab tab-${id}`, "aria-controls": "tab-body", onclick: () => select(id) }, title);
+    const makeTab = ([id, title]) =>
+      h(
+        "button",
+        {
+          type: "button",
+          role: "tab",
+          "data-tab": id,
+          class: `tab tab-${id}`,
+          "aria-controls": "tab-body",
+          onclick: () => select(id),
+        },
+        title,
+      );
     const buttons = NARROW.map(makeTab);
-    const bar = h("div", { class: "tabs", role: "tablist", "aria-label": "Result", onkeydown: (event) => {
-      const shown = buttons.filter((button) => button.offsetParent !== null);
-      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-      if (!step) return;
-      event.preventDefault();
-      const next = shown[(shown.indexOf(document.activeElement) + step + shown.length) % shown.length];
-      next.click();
-      next.focus();
-    } }, buttons);
+    const bar = h(
+      "div",
+      {
+        class: "tabs",
+        role: "tablist",
+        "aria-label": "Result",
+        onkeydown: (event) => {
+          const shown = buttons.filter((button) => button.offsetParent !== null);
+          const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+          if (!step) return;
+          event.preventDefault();
+          const next = shown[(shown.indexOf(document.activeElement) + step + shown.length) % shown.length];
+          next.click();
+          next.focus();
+        },
+      },
+      buttons,
+    );
     replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
     const narrow = matchMedia("(max-width: 760px)");
     const adapt = () => select(narrow.matches ? "shape" : "result");

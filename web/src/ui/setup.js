@@ -17,32 +17,70 @@ const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm"]);
 
 export function setupPage({ go, stage, process }) {
   const panel = h("section", { class: "panel", "aria-label": "Settings" });
-  const main = h("main", { class: "work", id: "main", tabindex: "-1" }, h("h1", { class: "visually-hidden" }, "New job"), stage.element, panel);
+  const main = h(
+    "main",
+    { class: "work", id: "main", tabindex: "-1" },
+    h("h1", { class: "visually-hidden" }, "New job"),
+    stage.element,
+    panel,
+  );
   const page = { panel, stage, process, go, sending: null };
   let shown = null;
   const update = () => {
     const draft = drafts.draft;
     if (!draft) return go("#");
     if (draft.mesh && shown !== draft.mesh) {
-      stage.showInput(draft.mesh, { up: draft.up, scale: draft.scale, onUp: (up) => { draft.up = up; } });
+      stage.showInput(draft.mesh, {
+        up: draft.up,
+        scale: draft.scale,
+        onUp: (up) => {
+          draft.up = up;
+        },
+      });
       shown = draft.mesh;
     }
-    if (!draft.mesh) { stage.clear(draft.error ? "" : "Reading the mesh …"); shown = null; }
+    if (!draft.mesh) {
+      stage.clear(draft.error ? "" : "Reading the mesh …");
+      shown = null;
+    }
     showPanel(page, draft);
   };
   const stop = drafts.onChange(update);
   update();
-  return { title: "New job", element: main, dispose() { stop(); page.sending?.abort(); } };
+  return {
+    title: "New job",
+    element: main,
+    dispose() {
+      stop();
+      page.sending?.abort();
+    },
+  };
 }
 
 function showPanel(page, draft) {
-  if (draft.error) return replace(page.panel, fileList(), problemBox(draft.error, h("button", { type: "button", onclick: () => page.go("#") }, "Choose another file")));
+  if (draft.error)
+    return replace(
+      page.panel,
+      fileList(),
+      problemBox(draft.error, h("button", { type: "button", onclick: () => page.go("#") }, "Choose another file")),
+    );
   if (!draft.mesh) return replace(page.panel, fileList(), h("p", { class: "busy" }, `Reading ${draft.name} …`));
   const note = h("div", { class: "note-place" });
   const refresh = () => {
     const odd = sizeWarning(longest(draft), materialOf(draft.material));
-    replace(note, odd && warning(odd, h("button", { type: "button", class: "small", onclick: () => size.setLongest(OFFERED_SIZE) }, `Make it ${OFFERED_SIZE} mm`)),
-      meshWarnings(draft.mesh).map((text) => warning(text)));
+    replace(
+      note,
+      odd &&
+        warning(
+          odd,
+          h(
+            "button",
+            { type: "button", class: "small", onclick: () => size.setLongest(OFFERED_SIZE) },
+            `Make it ${OFFERED_SIZE} mm`,
+          ),
+        ),
+      meshWarnings(draft.mesh).map((text) => warning(text)),
+    );
   };
   const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft, () => {});
   const size = sizeField(draft, UNITS, () => {
@@ -53,63 +91,135 @@ function showPanel(page, draft) {
   const form = new SchemaForm(page.process, { own: OWN, values: draft.values, onChange: () => showSend() });
   const send = h("div", { class: "send" });
   const showSend = () => replace(send, sendControls(page, draft, form));
-  replace(page.panel,
-    fileList(), fileFacts(draft),
+  replace(
+    page.panel,
+    fileList(),
+    fileFacts(draft),
     h("fieldset", { class: "group" }, h("legend", {}, "Size when finished"), size.element, note),
-    h("fieldset", { class: "group" }, h("legend", {}, "Material"), materialCards(draft, () => { tolerance.update(); refresh(); })),
+    h(
+      "fieldset",
+      { class: "group" },
+      h("legend", {}, "Material"),
+      materialCards(draft, () => {
+        tolerance.update();
+        refresh();
+      }),
+    ),
     h("fieldset", { class: "group" }, h("legend", {}, "Tolerance"), tolerance.element),
-    h("details", { class: "more", open: recall("more", false), ontoggle: (event) => remember("more", event.target.open) },
-      h("summary", {}, "More settings"), form.element, nameField(draft)),
-    send);
+    h(
+      "details",
+      { class: "more", open: recall("more", false), ontoggle: (event) => remember("more", event.target.open) },
+      h("summary", {}, "More settings"),
+      form.element,
+      nameField(draft),
+    ),
+    send,
+  );
   refresh();
   showSend();
 }
 
 function fileList() {
   if (drafts.list.length < 2) return null;
-  return h("div", { class: "files", role: "group", "aria-label": "Files" }, drafts.list.map((draft, k) =>
-    h("button", { type: "button", class: "chip", "aria-pressed": String(k === drafts.current), onclick: () => drafts.select(k) }, draft.error && icon("warn", 16), draft.name)));
+  return h(
+    "div",
+    { class: "files", role: "group", "aria-label": "Files" },
+    drafts.list.map((draft, k) =>
+      h(
+        "button",
+        {
+          type: "button",
+          class: "chip",
+          "aria-pressed": String(k === drafts.current),
+          onclick: () => drafts.select(k),
+        },
+        draft.error && icon("warn", 16),
+        draft.name,
+      ),
+    ),
+  );
 }
 
 function fileFacts(draft) {
   const { mesh } = draft;
   const facts = [
-    count(mesh.faces, "triangle"), bytes(draft.file.size),
-    mesh.borderEdges === 0 ? "closed" : "open", mesh.pieces > 1 && count(mesh.pieces, "piece"),
+    count(mesh.faces, "triangle"),
+    bytes(draft.file.size),
+    mesh.borderEdges === 0 ? "closed" : "open",
+    mesh.pieces > 1 && count(mesh.pieces, "piece"),
   ].filter(Boolean);
   return h("header", { class: "file-head" }, h("h2", {}, draft.name), h("p", { class: "hint" }, facts.join(" · ")));
 }
 
 const longest = (draft) => Math.max(...extents(draft.mesh)) * draft.scale;
 
-const warning = (text, action = null) => h("div", { class: "warning" }, icon("warn", 18), h("div", {}, h("p", {}, text), action));
+const warning = (text, action = null) =>
+  h("div", { class: "warning" }, icon("warn", 18), h("div", {}, h("p", {}, text), action));
 
 function meshWarnings(mesh) {
   return [
-    mesh.crowdedEdges > 0 && `${count(mesh.crowdedEdges, "edge")} of the mesh ${mesh.crowdedEdges === 1 ? "has" : "have"} more than two faces (red in the view). They will be cut open.`,
-    mesh.insideOut && "The faces of the mesh look inwards. The layout shows the side they look to, so the marks will be inside; turn the faces around in your modelling program if you want them outside.",
+    mesh.crowdedEdges > 0 &&
+      `${count(mesh.crowdedEdges, "edge")} of the mesh ${mesh.crowdedEdges === 1 ? "has" : "have"} more than two faces (red in the view). They will be cut open.`,
+    mesh.insideOut &&
+      "The faces of the mesh look inwards. The layout shows the side they look to, so the marks will be inside; turn the faces around in your modelling program if you want them outside.",
     mesh.pieces > 40 && `The mesh consists of ${mesh.pieces} separate pieces; each is cut on its own.`,
   ].filter(Boolean);
 }
 
 function materialCards(draft, onChange) {
   const name = freshId("material");
-  return h("div", { class: "materials", role: "radiogroup", "aria-label": "Material" }, MATERIALS.map((material) =>
-    h("label", { class: "material" },
-      h("input", { type: "radio", name, value: material.id, checked: material.id === draft.material, onchange: () => {
-        draft.material = material.id;
-        draft.values.e_max = material.tolerance;
-        remember("material", material.id);
-        onChange();
-      } }),
-      h("span", { class: "material-card" }, h("strong", {}, material.title), h("span", { class: "hint" }, material.text)))));
+  return h(
+    "div",
+    { class: "materials", role: "radiogroup", "aria-label": "Material" },
+    MATERIALS.map((material) =>
+      h(
+        "label",
+        { class: "material" },
+        h("input", {
+          type: "radio",
+          name,
+          value: material.id,
+          checked: material.id === draft.material,
+          onchange: () => {
+            draft.material = material.id;
+            draft.values.e_max = material.tolerance;
+            remember("material", material.id);
+            onChange();
+          },
+        }),
+        h(
+          "span",
+          { class: "material-card" },
+          h("strong", {}, material.title),
+          h("span", { class: "hint" }, material.text),
+        ),
+      ),
+    ),
+  );
 }
 
 function nameField(draft) {
   const id = freshId("tag");
-  return h("fieldset", { class: "group" }, h("legend", {}, "Job"), h("div", { class: "field" },
-    h("div", { class: "field-head" }, h("label", { for: id }, "Name")),
-    h("input", { type: "text", id, maxlength: "100", value: draft.tag, placeholder: draft.name.replace(/\.\w+$/, ""), oninput: (event) => { draft.tag = event.target.value; } })));
+  return h(
+    "fieldset",
+    { class: "group" },
+    h("legend", {}, "Job"),
+    h(
+      "div",
+      { class: "field" },
+      h("div", { class: "field-head" }, h("label", { for: id }, "Name")),
+      h("input", {
+        type: "text",
+        id,
+        maxlength: "100",
+        value: draft.tag,
+        placeholder: draft.name.replace(/\.\w+$/, ""),
+        oninput: (event) => {
+          draft.tag = event.target.value;
+        },
+      }),
+    ),
+  );
 }
 
 function sendControls(page, draft, form) {
@@ -118,8 +228,16 @@ function sendControls(page, draft, form) {
   const label = ready.length > 1 ? `Make sheets of ${ready.length} meshes` : "Make the sheets";
   return [
     wrong && h("p", { class: "field-error" }, "Some settings above need another value."),
-    h("button", { type: "button", class: "primary large wide", disabled: wrong || ready.length < drafts.list.filter((item) => !item.error).length,
-      onclick: (event) => start(page, ready, form, event.target.closest(".send")) }, label),
+    h(
+      "button",
+      {
+        type: "button",
+        class: "primary large wide",
+        disabled: wrong || ready.length < drafts.list.filter((item) => !item.error).length,
+        onclick: (event) => start(page, ready, form, event.target.closest(".send")),
+      },
+      label,
+    ),
   ];
 }
 
@@ -130,10 +248,20 @@ async function start(page, ready, form, place) {
   let first = null;
   for (const draft of ready) {
     const bar = h("progress", { max: "1", "aria-label": "Upload" });
-    replace(place, h("p", { class: "hint" }, `Sending ${draft.name}`), bar, h("button", { type: "button", onclick: () => abort.abort() }, "Stop"));
+    replace(
+      place,
+      h("p", { class: "hint" }, `Sending ${draft.name}`),
+      bar,
+      h("button", { type: "button", onclick: () => abort.abort() }, "Stop"),
+    );
     try {
       const job = await execute(draft.file, parametersOf(draft, form), {
-        tag: draft.tag.trim(), filename: draft.name, signal: abort.signal, onProgress: (share) => { bar.value = share; },
+        tag: draft.tag.trim(),
+        filename: draft.name,
+        signal: abort.signal,
+        onProgress: (share) => {
+          bar.value = share;
+        },
       });
       jobs.put(job);
       remember("values", form.changed());
@@ -162,4 +290,3 @@ function rememberJob(id, draft) {
 function parametersOf(draft, form) {
   return { ...form.changed(), e_max: draft.values.e_max, scale: draft.scale === 1 ? undefined : draft.scale };
 }
-

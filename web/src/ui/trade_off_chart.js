@@ -20,9 +20,13 @@ export function tradeOff(job, scale, stops) {
     replace(chart, draw(curve(mine, all), mine, scale));
     const active = relatives(mine, all).filter((other) => ACTIVE.has(other.status)).length;
     const wanted = missing(mine, all);
-    replace(controls,
-      active > 0 ? h("p", { class: "busy" }, `${count(active, "result")} on the way …`)
-        : wanted.length > 0 && h("button", { type: "button", disabled: sending, onclick: () => sweep(wanted) }, "Try other tolerances"));
+    replace(
+      controls,
+      active > 0
+        ? h("p", { class: "busy" }, `${count(active, "result")} on the way …`)
+        : wanted.length > 0 &&
+            h("button", { type: "button", disabled: sending, onclick: () => sweep(wanted) }, "Try other tolerances"),
+    );
   };
   async function sweep(tolerances) {
     sending = true;
@@ -31,7 +35,11 @@ export function tradeOff(job, scale, stops) {
       const mesh = await getInput(job.jobID);
       const known = recall("jobs", {});
       for (const e_max of tolerances) {
-        const next = await execute(mesh, { ...changed(job.parameters), e_max, effort: "draft" }, { tag: job.tag, filename: job.inputs?.mesh?.name });
+        const next = await execute(
+          mesh,
+          { ...changed(job.parameters), e_max, effort: "draft" },
+          { tag: job.tag, filename: job.inputs?.mesh?.name },
+        );
         known[next.jobID] = known[job.jobID] ?? {};
         remember("jobs", known);
         jobs.put(next);
@@ -49,7 +57,11 @@ export function tradeOff(job, scale, stops) {
 
 /** Parameters as they were asked for; what the server filled in by itself with null is left out. */
 function changed(parameters = {}) {
-  return Object.fromEntries(Object.entries(parameters).filter(([name, value]) => value !== null && name !== "e_max_mm" && name !== "target_size"));
+  return Object.fromEntries(
+    Object.entries(parameters).filter(
+      ([name, value]) => value !== null && name !== "e_max_mm" && name !== "target_size",
+    ),
+  );
 }
 
 function draw(points, job, scale) {
@@ -61,13 +73,28 @@ function draw(points, job, scale) {
   const y = (parts) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * parts) / (most * 1.08);
   const best = points.filter((p) => p.best);
   const line = best.map((p, k) => (k === 0 ? `M${x(p.error)} ${y(p.parts)}` : `H${x(p.error)}V${y(p.parts)}`)).join("");
-  return s("svg", { class: "chart", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": "Parts against largest deviation" },
-    ticks(most).map((n) => [s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }), s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n)]),
+  return s(
+    "svg",
+    {
+      class: "chart",
+      viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
+      role: "group",
+      "aria-label": "Parts against largest deviation",
+    },
+    ticks(most).map((n) => [
+      s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }),
+      s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n),
+    ]),
     s("text", { x: LEFT, y: HEIGHT - 10 }, "0"),
-    s("text", { x: WIDTH - 12, y: HEIGHT - 10, "text-anchor": "end" }, `${diagonal ? millimetres(widest * diagonal) : percent(widest)} deviation`),
+    s(
+      "text",
+      { x: WIDTH - 12, y: HEIGHT - 10, "text-anchor": "end" },
+      `${diagonal ? millimetres(widest * diagonal) : percent(widest)} deviation`,
+    ),
     s("text", { x: 6, y: 14 }, "parts"),
     s("path", { class: "steps", d: line }),
-    points.map((p) => point(p, job, x(p.error), y(p.parts), diagonal)));
+    points.map((p) => point(p, job, x(p.error), y(p.parts), diagonal)),
+  );
 }
 
 function ticks(most) {
@@ -78,6 +105,15 @@ function ticks(most) {
 function point(p, job, x, y, diagonal) {
   const own = p.job.jobID === job.jobID;
   const text = `${count(p.parts, "part")}, within ${diagonal ? millimetres(p.error * diagonal) : percent(p.error)}${p.job.parameters?.effort === "draft" ? ", quick draft" : ""}`;
-  return s("a", { href: `#job/${p.job.jobID}`, "aria-label": own ? `${text}, shown now` : text, "aria-current": own ? "true" : null },
-    s("title", {}, text), s("circle", { class: "hit", cx: x, cy: y, r: 13 }), s("circle", { class: p.best ? "point best" : "point", cx: x, cy: y, r: own ? 7 : 5 }));
+  return s(
+    "a",
+    {
+      href: `#job/${p.job.jobID}`,
+      "aria-label": own ? `${text}, shown now` : text,
+      "aria-current": own ? "true" : null,
+    },
+    s("title", {}, text),
+    s("circle", { class: "hit", cx: x, cy: y, r: 13 }),
+    s("circle", { class: p.best ? "point best" : "point", cx: x, cy: y, r: own ? 7 : 5 }),
+  );
 }

@@ -12,7 +12,17 @@ export function viewControls({ stage, model, mesh, material, job }) {
   const apart = slider("Apart", (value) => stage.pose({ explode: value }));
   const fold = slider("Unfold", (value) => stage.pose({ fold: 1 - value }));
   let running = 0;
-  const play = h("button", { type: "button", class: "tool", title: "Unfold and fold", "aria-label": "Unfold and fold", onclick: () => animate() }, icon("play", 18));
+  const play = h(
+    "button",
+    {
+      type: "button",
+      class: "tool",
+      title: "Unfold and fold",
+      "aria-label": "Unfold and fold",
+      onclick: () => animate(),
+    },
+    icon("play", 18),
+  );
 
   function animate() {
     cancelAnimationFrame(running);
@@ -34,11 +44,21 @@ export function viewControls({ stage, model, mesh, material, job }) {
     if (stage.input) stage.input.group.visible = state.original || state.color === "error" || state.color === "tilt";
     stage.viewport?.draw();
   };
-  const toggle = (name, title) => h("label", { class: "toggle" }, h("input", { type: "checkbox", checked: state[name], onchange: async (event) => {
-    state[name] = event.target.checked;
-    if (name === "original") await ensureInput();
-    draw();
-  } }), h("span", {}, title));
+  const toggle = (name, title) =>
+    h(
+      "label",
+      { class: "toggle" },
+      h("input", {
+        type: "checkbox",
+        checked: state[name],
+        onchange: async (event) => {
+          state[name] = event.target.checked;
+          if (name === "original") await ensureInput();
+          draw();
+        },
+      }),
+      h("span", {}, title),
+    );
 
   async function ensureInput() {
     if (stage.input) return true;
@@ -51,11 +71,14 @@ export function viewControls({ stage, model, mesh, material, job }) {
   function showParts() {
     legend.hidden = true;
     stage.result.setValues(null);
-    if (stage.input) { stage.input.setHeat(null); stage.input.asGhost(true); }
+    if (stage.input) {
+      stage.input.setHeat(null);
+      stage.input.asGhost(true);
+    }
     stage.result.group.visible = true;
   }
   async function showHeat(kind) {
-    if (!(await ensureInput())) return replace(legend, "The mesh could not be fetched."), (legend.hidden = false);
+    if (!(await ensureInput())) return (replace(legend, "The mesh could not be fetched."), (legend.hidden = false));
     const heat = (await comparison(stage, model))[kind];
     if (state.color !== kind) return;
     stage.input.setHeat(heat.values, heat.full);
@@ -69,9 +92,18 @@ export function viewControls({ stage, model, mesh, material, job }) {
     const { values, tightest, text } = bendColors(model, material);
     stage.result.setValues(values);
     stage.result.group.visible = true;
-    replace(legend, h("strong", {}, `Bend radius in ${material.title.toLowerCase()}`),
-      h("div", { class: "keys" }, h("span", { class: "key ok" }, "easy"), h("span", { class: "key near" }, "tight"), h("span", { class: "key over" }, `below ${material.radius} mm`)),
-      h("span", { class: "hint" }, Number.isFinite(tightest) ? `tightest ${millimetres(tightest)}. ${text}` : text));
+    replace(
+      legend,
+      h("strong", {}, `Bend radius in ${material.title.toLowerCase()}`),
+      h(
+        "div",
+        { class: "keys" },
+        h("span", { class: "key ok" }, "easy"),
+        h("span", { class: "key near" }, "tight"),
+        h("span", { class: "key over" }, `below ${material.radius} mm`),
+      ),
+      h("span", { class: "hint" }, Number.isFinite(tightest) ? `tightest ${millimetres(tightest)}. ${text}` : text),
+    );
     legend.hidden = false;
   }
   const name = freshId("color");
@@ -81,19 +113,60 @@ export function viewControls({ stage, model, mesh, material, job }) {
     await colors[id]();
     draw();
   };
-  const segments = h("div", { class: "segments small", role: "radiogroup", "aria-label": "Colours show" },
-    [["parts", "Parts"], ["error", "Error"], ["tilt", "Tilt"], ["bend", "Bend"]].map(([id, title]) => h("label", {}, h("input", { type: "radio", name, value: id, checked: id === "parts", onchange: () => choose(id) }), h("span", {}, title))));
+  const segments = h(
+    "div",
+    { class: "segments small", role: "radiogroup", "aria-label": "Colours show" },
+    [
+      ["parts", "Parts"],
+      ["error", "Error"],
+      ["tilt", "Tilt"],
+      ["bend", "Bend"],
+    ].map(([id, title]) =>
+      h(
+        "label",
+        {},
+        h("input", { type: "radio", name, value: id, checked: id === "parts", onchange: () => choose(id) }),
+        h("span", {}, title),
+      ),
+    ),
+  );
   draw();
-  const element = h("div", { class: "view-controls" }, legend,
-    h("div", { class: "control-row" }, segments, toggle("seams", "Seams"), toggle("rulings", "Bend lines"), toggle("original", "Mesh")),
-    h("div", { class: "control-row" }, apart.element, fold.element, play));
+  const element = h(
+    "div",
+    { class: "view-controls" },
+    legend,
+    h(
+      "div",
+      { class: "control-row" },
+      segments,
+      toggle("seams", "Seams"),
+      toggle("rulings", "Bend lines"),
+      toggle("original", "Mesh"),
+    ),
+    h("div", { class: "control-row" }, apart.element, fold.element, play),
+  );
   return { element, dispose: () => cancelAnimationFrame(running), job };
 }
 
 function slider(title, onValue) {
   const id = freshId("slider");
-  const input = h("input", { type: "range", id, min: "0", max: "1", step: "0.005", value: "0", oninput: () => onValue(Number(input.value)) });
-  return { input, element: h("label", { class: "slider", for: id }, h("span", {}, title), input), set: (value) => { input.value = String(value); onValue(value); } };
+  const input = h("input", {
+    type: "range",
+    id,
+    min: "0",
+    max: "1",
+    step: "0.005",
+    value: "0",
+    oninput: () => onValue(Number(input.value)),
+  });
+  return {
+    input,
+    element: h("label", { class: "slider", for: id }, h("span", {}, title), input),
+    set: (value) => {
+      input.value = String(value);
+      onValue(value);
+    },
+  };
 }
 
 /** Distance (mm) and tilt (degrees) of the input's vertices against the sheets, computed once per model. */
@@ -109,13 +182,28 @@ async function comparison(stage, model) {
   const worst = (values) => values.reduce((best, value, v) => (value > values[best] ? v : best), 0);
   const heat = (values, least, words) => {
     const at = worst(values);
-    return { values, place: Array.from(mesh.positions.slice(3 * at, 3 * at + 3)), full: Math.max(least, values[at]), ...words(values[at]) };
+    return {
+      values,
+      place: Array.from(mesh.positions.slice(3 * at, 3 * at + 3)),
+      full: Math.max(least, values[at]),
+      ...words(values[at]),
+    };
   };
   model.comparison = {
-    error: heat(distances.map((value) => value * model.scale), limit, (most) => ({
-      title: "Distance of your mesh to the sheets", unit: millimetres, text: `Worst place (marked): ${millimetres(most)}. Allowed: ${millimetres(limit)}.` })),
+    error: heat(
+      distances.map((value) => value * model.scale),
+      limit,
+      (most) => ({
+        title: "Distance of your mesh to the sheets",
+        unit: millimetres,
+        text: `Worst place (marked): ${millimetres(most)}. Allowed: ${millimetres(limit)}.`,
+      }),
+    ),
     tilt: heat(tilts, 30, (most) => ({
-      title: "Tilt of the sheets against your mesh", unit: degrees, text: `Largest (marked): ${degrees(most)}. High values show where light will fall differently.` })),
+      title: "Tilt of the sheets against your mesh",
+      unit: degrees,
+      text: `Largest (marked): ${degrees(most)}. High values show where light will fall differently.`,
+    })),
   };
   return model.comparison;
 }
@@ -130,6 +218,12 @@ function showLegend(legend, { title, full, unit, text }) {
     context.fillStyle = `rgb(${r} ${g} ${b})`;
     context.fillRect(x, 0, 1, 8);
   }
-  replace(legend, h("strong", {}, title), canvas, h("div", { class: "slider-ends" }, h("span", {}, unit(0)), h("span", {}, unit(full))), h("span", { class: "hint" }, text));
+  replace(
+    legend,
+    h("strong", {}, title),
+    canvas,
+    h("div", { class: "slider-ends" }, h("span", {}, unit(0)), h("span", {}, unit(full))),
+    h("span", { class: "hint" }, text),
+  );
   legend.hidden = false;
 }

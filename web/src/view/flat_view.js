@@ -10,7 +10,12 @@ export class FlatView {
   constructor(host, { onHover, onSelect }) {
     this.host = host;
     this.events = { onHover, onSelect };
-    this.svg = s("svg", { class: "flat", tabindex: "0", role: "group", "aria-label": "Flat layout. Arrow keys move it, plus and minus zoom." });
+    this.svg = s("svg", {
+      class: "flat",
+      tabindex: "0",
+      role: "group",
+      "aria-label": "Flat layout. Arrow keys move it, plus and minus zoom.",
+    });
     this.mat = s("g", { class: "mat" });
     this.content = s("g", {});
     this.svg.append(this.mat, this.content);
@@ -26,7 +31,10 @@ export class FlatView {
   show(model) {
     this.model = model;
     this.parts = model.parts.map((part, k) => this.makePart(part, k));
-    replace(this.content, this.parts.map((item) => item.group));
+    replace(
+      this.content,
+      this.parts.map((item) => item.group),
+    );
     this.fit();
   }
 
@@ -37,13 +45,26 @@ export class FlatView {
     let rulings = "";
     for (let r = 0; r < part.rulings.length; r += 2) rulings += `M${at(part.rulings[r])}L${at(part.rulings[r + 1])}`;
     const place = labelPlace(part.outline, flat);
-    const label = s("text", { class: "part-label", x: place.x.toFixed(2), y: (-place.y).toFixed(2), "text-anchor": "middle", "dominant-baseline": "central" }, part.label);
-    const group = s("g", { class: `part color-${this.model.colors[k]}`, "data-part": k },
+    const label = s(
+      "text",
+      {
+        class: "part-label",
+        x: place.x.toFixed(2),
+        y: (-place.y).toFixed(2),
+        "text-anchor": "middle",
+        "dominant-baseline": "central",
+      },
+      part.label,
+    );
+    const group = s(
+      "g",
+      { class: `part color-${this.model.colors[k]}`, "data-part": k },
       s("path", { class: "sheet", d: outline }),
       rulings && s("path", { class: "rulings", d: rulings }),
       s("path", { class: "cut", d: outline }),
       this.seamPaths(part, at),
-      label);
+      label,
+    );
     return { group, label, room: place.room };
   }
 
@@ -60,14 +81,15 @@ export class FlatView {
 
   highlight({ hovered = null, selected = null, seam = null, chosenSeam = null }) {
     if (!this.parts) return;
-    const seamParts = seam === null ? [] : this.model.seams.find((item) => item.id === seam)?.parts ?? [];
+    const seamParts = seam === null ? [] : (this.model.seams.find((item) => item.id === seam)?.parts ?? []);
     this.parts.forEach(({ group }, k) => {
       group.classList.toggle("lit", hovered === k || seamParts.includes(this.model.parts[k].id));
       group.classList.toggle("chosen", selected === k);
     });
     this.content.classList.toggle("some", selected !== null || chosenSeam !== null);
     for (const path of this.content.querySelectorAll(".seam.lit")) path.classList.remove("lit");
-    if (seam !== null) for (const path of this.content.querySelectorAll(`[data-seam="${seam}"]`)) path.classList.add("lit");
+    if (seam !== null)
+      for (const path of this.content.querySelectorAll(`[data-seam="${seam}"]`)) path.classList.add("lit");
   }
 
   showRulings(on) {
@@ -90,7 +112,11 @@ export class FlatView {
     if (!width || !height || !this.model) return;
     const [w, d] = [Math.max(box[2] - box[0], 1e-6), Math.max(box[3] - box[1], 1e-6)];
     const zoom = Math.min((width - 40) / w, (height - 64) / d);
-    this.view = { zoom, x: width / 2 - (zoom * (box[0] + box[2])) / 2, y: (height - 20) / 2 - (zoom * (box[1] + box[3])) / 2 };
+    this.view = {
+      zoom,
+      x: width / 2 - (zoom * (box[0] + box[2])) / 2,
+      y: (height - 20) / 2 - (zoom * (box[1] + box[3])) / 2,
+    };
     this.fitted = true;
     this.apply();
   }
@@ -99,8 +125,13 @@ export class FlatView {
   reveal(k) {
     const [u0, v0, u1, v1] = this.model.parts[k].box;
     const { x, y, zoom } = this.view;
-    const inside = x + zoom * u0 >= 0 && x + zoom * u1 <= this.host.clientWidth && y - zoom * v1 >= 0 && y - zoom * v0 <= this.host.clientHeight;
-    if (!inside) this.fit([u0, -v1, u1, -v0].map((value, i) => value + (i < 2 ? -1 : 1) * 0.3 * Math.max(u1 - u0, v1 - v0)));
+    const inside =
+      x + zoom * u0 >= 0 &&
+      x + zoom * u1 <= this.host.clientWidth &&
+      y - zoom * v1 >= 0 &&
+      y - zoom * v0 <= this.host.clientHeight;
+    if (!inside)
+      this.fit([u0, -v1, u1, -v0].map((value, i) => value + (i < 2 ? -1 : 1) * 0.3 * Math.max(u1 - u0, v1 - v0)));
   }
 
   onResize() {
@@ -129,11 +160,13 @@ export class FlatView {
     let [fine, bold] = ["", ""];
     for (let k = Math.ceil(-x / zoom / step); k * step * zoom + x < width; k++) {
       const line = `M${(k * step * zoom + x).toFixed(1)} 0V${height}`;
-      if (k % 10 === 0) bold += line; else fine += line;
+      if (k % 10 === 0) bold += line;
+      else fine += line;
     }
     for (let k = Math.ceil(-y / zoom / step); k * step * zoom + y < height; k++) {
       const line = `M0 ${(k * step * zoom + y).toFixed(1)}H${width}`;
-      if (k % 10 === 0) bold += line; else fine += line;
+      if (k % 10 === 0) bold += line;
+      else fine += line;
     }
     replace(this.mat, s("path", { class: "fine", d: fine || "M0 0" }), s("path", { class: "bold", d: bold || "M0 0" }));
     this.bar.style.width = `${(10 * step * zoom).toFixed(1)}px`;
@@ -158,11 +191,19 @@ export class FlatView {
 
   listen() {
     const { svg } = this;
-    svg.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      const box = svg.getBoundingClientRect();
-      this.zoomAt(Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015)), event.clientX - box.left, event.clientY - box.top);
-    }, { passive: false });
+    svg.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        const box = svg.getBoundingClientRect();
+        this.zoomAt(
+          Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015)),
+          event.clientX - box.left,
+          event.clientY - box.top,
+        );
+      },
+      { passive: false },
+    );
     svg.addEventListener("keydown", (event) => this.onKey(event));
     this.listenToPointers();
   }
@@ -170,9 +211,15 @@ export class FlatView {
   onKey(event) {
     const center = [this.host.clientWidth / 2, this.host.clientHeight / 2];
     const keys = {
-      ArrowLeft: () => this.pan(40, 0), ArrowRight: () => this.pan(-40, 0), ArrowUp: () => this.pan(0, 40), ArrowDown: () => this.pan(0, -40),
-      "+": () => this.zoomAt(1.25, ...center), "=": () => this.zoomAt(1.25, ...center), "-": () => this.zoomAt(0.8, ...center),
-      0: () => this.fit(), Home: () => this.fit(),
+      ArrowLeft: () => this.pan(40, 0),
+      ArrowRight: () => this.pan(-40, 0),
+      ArrowUp: () => this.pan(0, 40),
+      ArrowDown: () => this.pan(0, -40),
+      "+": () => this.zoomAt(1.25, ...center),
+      "=": () => this.zoomAt(1.25, ...center),
+      "-": () => this.zoomAt(0.8, ...center),
+      0: () => this.fit(),
+      Home: () => this.fit(),
     };
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
@@ -211,7 +258,11 @@ export class FlatView {
   pinch(before, after, other) {
     const box = this.svg.getBoundingClientRect();
     const spread = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-    this.zoomAt(spread(after) / spread(before), (after[0] + other[0]) / 2 - box.left, (after[1] + other[1]) / 2 - box.top);
+    this.zoomAt(
+      spread(after) / spread(before),
+      (after[0] + other[0]) / 2 - box.left,
+      (after[1] + other[1]) / 2 - box.top,
+    );
     this.pan((after[0] - before[0]) / 2, (after[1] - before[1]) / 2);
   }
 

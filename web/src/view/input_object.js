@@ -1,7 +1,16 @@
 // The uploaded mesh in the 3D window: the surface, its borders, places to look at, and the box with its size.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, SphereGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  SphereGeometry,
 } from "three";
 import { heatColor, themeColor } from "./theme.js";
 
@@ -15,7 +24,13 @@ export class InputObject {
     geometry.setIndex(new BufferAttribute(mesh.indices, 1));
     geometry.computeBoundingSphere();
     this.geometry = geometry;
-    this.material = new MeshLambertMaterial({ side: DoubleSide, flatShading: true, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    this.material = new MeshLambertMaterial({
+      side: DoubleSide,
+      flatShading: true,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
     this.surface = new Mesh(geometry, this.material);
     this.borders = lines(mesh.borders);
     this.crowded = lines(mesh.crowded);
@@ -58,7 +73,10 @@ export class InputObject {
   markPlaces(points) {
     this.marks.clear();
     for (const point of points) {
-      const ball = new Mesh(new SphereGeometry(this.radius * 0.018, 20, 12), new MeshBasicMaterial({ color: themeColor("--bad"), depthTest: false, transparent: true }));
+      const ball = new Mesh(
+        new SphereGeometry(this.radius * 0.018, 20, 12),
+        new MeshBasicMaterial({ color: themeColor("--bad"), depthTest: false, transparent: true }),
+      );
       ball.position.set(...point);
       ball.renderOrder = 10;
       this.marks.add(ball);

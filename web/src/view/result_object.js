@@ -1,6 +1,14 @@
 // The result in the 3D window: parts in colours, seams, rulings, light on what is chosen, exploded and folded states.
 import {
-  BackSide, BufferAttribute, BufferGeometry, Color, FrontSide, Group, LineBasicMaterial, LineSegments, Mesh,
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  FrontSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
   MeshLambertMaterial,
 } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -43,7 +51,10 @@ export class ResultObject {
     const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.front = new Mesh(this.geometry, new MeshLambertMaterial({ side: FrontSide, vertexColors: true, ...offset }));
     // The inside is the same sheet, paler: one still sees which part it is.
-    this.back = new Mesh(this.geometry, new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0x9a9a9a, ...offset }));
+    this.back = new Mesh(
+      this.geometry,
+      new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0x9a9a9a, ...offset }),
+    );
     this.group.add(this.front, this.back);
   }
 
@@ -142,7 +153,9 @@ export class ResultObject {
     const box = only === null ? this.flatBox() : this.model.parts[only].box;
     const flat = Math.hypot(box[2] - box[0], box[3] - box[1]) / 2 / this.model.scale;
     const { push, travel } = foldSteps(fold);
-    const solid = (only === null ? this.model.radius : this.partRadius(only)) * (1 + 0.75 * Math.max(explode * travel, only === null ? push : 0));
+    const solid =
+      (only === null ? this.model.radius : this.partRadius(only)) *
+      (1 + 0.75 * Math.max(explode * travel, only === null ? push : 0));
     return solid + (flat - solid) * (1 - travel);
   }
 
@@ -150,7 +163,11 @@ export class ResultObject {
   partRadius(k) {
     const { begin, end } = this.model.parts[k];
     let squared = 0;
-    for (let v = begin; v < end; v++) squared = Math.max(squared, this.model.position[3 * v] ** 2 + this.model.position[3 * v + 1] ** 2 + this.model.position[3 * v + 2] ** 2);
+    for (let v = begin; v < end; v++)
+      squared = Math.max(
+        squared,
+        this.model.position[3 * v] ** 2 + this.model.position[3 * v + 1] ** 2 + this.model.position[3 * v + 2] ** 2,
+      );
     return Math.sqrt(squared);
   }
 
@@ -187,7 +204,10 @@ export class ResultObject {
 
   updateLines() {
     this.seams.geometry.setPositions(this.ends(this.pairsOf(this.outlinePairs, "outline")));
-    this.rulings.geometry.setAttribute("position", new BufferAttribute(this.ends(this.pairsOf(this.rulingPairs, "rulings")), 3));
+    this.rulings.geometry.setAttribute(
+      "position",
+      new BufferAttribute(this.ends(this.pairsOf(this.rulingPairs, "rulings")), 3),
+    );
     this.rulings.geometry.computeBoundingSphere();
     this.updateChosen();
   }
@@ -230,7 +250,7 @@ export class ResultObject {
     const colors = this.geometry.attributes.color.array;
     const paper = new Color(themeColor("--stage"));
     const white = new Color(0xffffff);
-    const seamParts = chosenSeam === null ? [] : this.model.seams.find((item) => item.id === chosenSeam)?.parts ?? [];
+    const seamParts = chosenSeam === null ? [] : (this.model.seams.find((item) => item.id === chosenSeam)?.parts ?? []);
     const color = new Color();
     this.model.parts.forEach((part, k) => {
       const dim = (selected !== null || chosenSeam !== null) && selected !== k && !seamParts.includes(part.id);
@@ -271,7 +291,10 @@ export class ResultObject {
 }
 
 function fatLines(width) {
-  const object = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: width, transparent: true }));
+  const object = new LineSegments2(
+    new LineSegmentsGeometry(),
+    new LineMaterial({ linewidth: width, transparent: true }),
+  );
   object.frustumCulled = false;
   return object;
 }
@@ -286,6 +309,9 @@ function toSegment(at, p, i, j) {
   const a = [p[3 * i], p[3 * i + 1], p[3 * i + 2]];
   const e = [p[3 * j] - a[0], p[3 * j + 1] - a[1], p[3 * j + 2] - a[2]];
   const w = [at.x - a[0], at.y - a[1], at.z - a[2]];
-  const t = Math.min(1, Math.max(0, (w[0] * e[0] + w[1] * e[1] + w[2] * e[2]) / (e[0] ** 2 + e[1] ** 2 + e[2] ** 2 || 1)));
+  const t = Math.min(
+    1,
+    Math.max(0, (w[0] * e[0] + w[1] * e[1] + w[2] * e[2]) / (e[0] ** 2 + e[1] ** 2 + e[2] ** 2 || 1)),
+  );
   return Math.hypot(w[0] - t * e[0], w[1] - t * e[1], w[2] - t * e[2]);
 }

@@ -14,7 +14,15 @@ export class Stage {
     this.view3d = h("div", { class: "view3d" });
     this.host3d = h("div", { class: "pane pane3d" }, this.view3d);
     this.hostFlat = h("div", { class: "pane pane-flat", hidden: true });
-    this.divider = h("div", { class: "divider", role: "separator", tabindex: "0", "aria-orientation": "vertical", "aria-label": "Width of the 3D view", "aria-valuenow": "50", hidden: true });
+    this.divider = h("div", {
+      class: "divider",
+      role: "separator",
+      tabindex: "0",
+      "aria-orientation": "vertical",
+      "aria-label": "Width of the 3D view",
+      "aria-valuenow": "50",
+      hidden: true,
+    });
     this.labels = h("div", { class: "labels", "aria-hidden": "true" });
     this.tools = h("div", { class: "tools" });
     this.bottom = h("div", { class: "bottom-tools" });
@@ -32,9 +40,13 @@ export class Stage {
 
   start3d() {
     try {
-      this.viewport = new Viewport(this.view3d, { label: "The shape in 3D. Arrow keys turn it, plus and minus zoom, 0 shows all." });
+      this.viewport = new Viewport(this.view3d, {
+        label: "The shape in 3D. Arrow keys turn it, plus and minus zoom, 0 shows all.",
+      });
     } catch {
-      this.view3d.append(h("p", { class: "stage-message" }, "This browser cannot show 3D (WebGL is off). Everything else works."));
+      this.view3d.append(
+        h("p", { class: "stage-message" }, "This browser cannot show 3D (WebGL is off). Everything else works."),
+      );
       return;
     }
     this.viewport.onFrame((what, width, height) => {
@@ -46,7 +58,9 @@ export class Stage {
     let pressed = null;
     canvas.addEventListener("pointermove", (event) => event.buttons === 0 && this.pickSoon(event));
     canvas.addEventListener("pointerleave", () => this.hover({ part: null, seam: null }));
-    canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
+    canvas.addEventListener("pointerdown", (event) => {
+      pressed = [event.clientX, event.clientY];
+    });
     canvas.addEventListener("pointerup", (event) => {
       const still = pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < 4;
       if (still && this.result) this.choose(this.under(event));
@@ -94,27 +108,62 @@ export class Stage {
     const { box, center } = this.input.mesh;
     const corner = box.max.map((high, axis) => high - center[axis]);
     const low = box.min.map((value, axis) => value - center[axis]);
-    const places = this.up === "z"
-      ? [[0, low[1], low[2]], [corner[0], 0, low[2]], [low[0], low[1], 0]]
-      : [[0, low[1], corner[2]], [low[0], 0, corner[2]], [corner[0], low[1], 0]];
-    this.marked = ["x", "y", "z"].map((axis, k) => ({ at: places[k], element: h("span", { class: `size-label axis-${axis}` }, millimetres(sizes[k] * scale)) }));
-    replace(this.labels, this.marked.map((mark) => mark.element));
+    const places =
+      this.up === "z"
+        ? [
+            [0, low[1], low[2]],
+            [corner[0], 0, low[2]],
+            [low[0], low[1], 0],
+          ]
+        : [
+            [0, low[1], corner[2]],
+            [low[0], 0, corner[2]],
+            [corner[0], low[1], 0],
+          ];
+    this.marked = ["x", "y", "z"].map((axis, k) => ({
+      at: places[k],
+      element: h("span", { class: `size-label axis-${axis}` }, millimetres(sizes[k] * scale)),
+    }));
+    replace(
+      this.labels,
+      this.marked.map((mark) => mark.element),
+    );
     this.placeLabels();
   }
 
   /** Buttons that every view has. */
   viewTools(onUp) {
-    const up = h("button", { type: "button", class: "tool", title: "Which axis points up", onclick: () => {
-      this.up = this.up === "z" ? "y" : "z";
-      this.viewport.setUp(this.up);
-      this.relabel?.();
-      up.lastChild.textContent = `${this.up} up`;
-      onUp?.(this.up);
-    } }, icon("cube", 18), h("span", {}, `${this.up} up`));
-    const fit = h("button", { type: "button", class: "tool", title: "Show all (0)", "aria-label": "Show all", onclick: () => {
-      this.viewport.home();
-      this.viewport.fit(this.result ? this.result.radius() : this.input.radius * 1.12);
-    } }, icon("fit", 18));
+    const up = h(
+      "button",
+      {
+        type: "button",
+        class: "tool",
+        title: "Which axis points up",
+        onclick: () => {
+          this.up = this.up === "z" ? "y" : "z";
+          this.viewport.setUp(this.up);
+          this.relabel?.();
+          up.lastChild.textContent = `${this.up} up`;
+          onUp?.(this.up);
+        },
+      },
+      icon("cube", 18),
+      h("span", {}, `${this.up} up`),
+    );
+    const fit = h(
+      "button",
+      {
+        type: "button",
+        class: "tool",
+        title: "Show all (0)",
+        "aria-label": "Show all",
+        onclick: () => {
+          this.viewport.home();
+          this.viewport.fit(this.result ? this.result.radius() : this.input.radius * 1.12);
+        },
+      },
+      icon("fit", 18),
+    );
     return [fit, up];
   }
 
@@ -123,7 +172,8 @@ export class Stage {
     for (const { at, element } of this.marked ?? []) {
       const pixel = this.viewport.project(at);
       element.hidden = !pixel;
-      if (pixel) element.style.transform = `translate(${pixel[0].toFixed(1)}px, ${pixel[1].toFixed(1)}px) translate(-50%, -50%)`;
+      if (pixel)
+        element.style.transform = `translate(${pixel[0].toFixed(1)}px, ${pixel[1].toFixed(1)}px) translate(-50%, -50%)`;
     }
   }
 
@@ -191,7 +241,11 @@ export class Stage {
 
   setSelection(change) {
     Object.assign(this.selection, change);
-    const lit = { ...this.selection, seam: this.selection.seam ?? this.hoveredSeam ?? null, chosenSeam: this.selection.seam };
+    const lit = {
+      ...this.selection,
+      seam: this.selection.seam ?? this.hoveredSeam ?? null,
+      chosenSeam: this.selection.seam,
+    };
     this.result?.highlight(lit);
     this.flat?.highlight(lit);
     if (change.selected !== undefined && change.selected !== null) {

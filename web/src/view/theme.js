@@ -38,7 +38,14 @@ export function isDark() {
 }
 
 /** Colours of a scale from 0 to 1: calm to alarming, readable without telling red from green. */
-const HEAT = [[0.17, 0.28, 0.53], [0.16, 0.47, 0.6], [0.27, 0.66, 0.55], [0.78, 0.8, 0.38], [0.96, 0.62, 0.24], [0.8, 0.2, 0.22]];
+const HEAT = [
+  [0.17, 0.28, 0.53],
+  [0.16, 0.47, 0.6],
+  [0.27, 0.66, 0.55],
+  [0.78, 0.8, 0.38],
+  [0.96, 0.62, 0.24],
+  [0.8, 0.2, 0.22],
+];
 
 export function heatColor(value) {
   const at = Math.min(0.99999, Math.max(0, value)) * (HEAT.length - 1);

@@ -1,12 +1,22 @@
 // The 3D window: camera, light, orbit by pointer and keys, picking. Draws only when something changed.
 import {
-  AmbientLight, Color, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Spherical, Vector2,
-  Vector3, WebGLRenderer,
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Spherical,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const FIELD_OF_VIEW = 28;
-const HOME = { theta: 0.7, phi: 1.16 };  // a little from the right and from above
+const HOME = { theta: 0.7, phi: 1.16 }; // a little from the right and from above
 
 export class Viewport {
   /** Puts a canvas into `host`; throws when the browser has no WebGL. */
@@ -21,7 +31,7 @@ export class Viewport {
     host.append(this.canvas);
 
     this.scene = new Scene();
-    this.root = new Group();  // turned so that the model's up axis is the world's y
+    this.root = new Group(); // turned so that the model's up axis is the world's y
     this.scene.add(this.root);
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 100);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -146,10 +156,29 @@ export class Viewport {
     const turn = 0.12;
     const at = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
     const keys = {
-      ArrowLeft: () => { at.theta -= turn; }, ArrowRight: () => { at.theta += turn; },
-      ArrowUp: () => { at.phi -= turn; }, ArrowDown: () => { at.phi += turn; },
-      "+": () => { at.radius *= 0.88; }, "=": () => { at.radius *= 0.88; }, "-": () => { at.radius /= 0.88; },
-      0: () => this.home(), Home: () => this.home(),
+      ArrowLeft: () => {
+        at.theta -= turn;
+      },
+      ArrowRight: () => {
+        at.theta += turn;
+      },
+      ArrowUp: () => {
+        at.phi -= turn;
+      },
+      ArrowDown: () => {
+        at.phi += turn;
+      },
+      "+": () => {
+        at.radius *= 0.88;
+      },
+      "=": () => {
+        at.radius *= 0.88;
+      },
+      "-": () => {
+        at.radius /= 0.88;
+      },
+      0: () => this.home(),
+      Home: () => this.home(),
     };
     const action = event.ctrlKey || event.metaKey || event.altKey ? null : keys[event.key];
     if (!action) return;
@@ -165,7 +194,10 @@ export class Viewport {
   /** The closest hit of the pointer on `objects`, or null. */
   pick(event, objects) {
     const box = this.canvas.getBoundingClientRect();
-    const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const at = new Vector2(
+      ((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2,
+    );
     const ray = new Raycaster();
     ray.setFromCamera(at, this.camera);
     return ray.intersectObjects(objects, false)[0] ?? null;

@@ -18,7 +18,8 @@ function start() {
     else resolve(output);
   };
   worker.onerror = () => {
-    for (const { reject } of waiting.values()) reject(new MeshError("The preview ran out of memory.", "", "Try a smaller mesh."));
+    for (const { reject } of waiting.values())
+      reject(new MeshError("The preview ran out of memory.", "", "Try a smaller mesh."));
     waiting.clear();
     worker = null;
   };

@@ -38,5 +38,7 @@ self.onmessage = ({ data: { id, task, input } }) => {
 };
 
 function transferables(output) {
-  return Object.values(output).filter((value) => ArrayBuffer.isView(value)).map((value) => value.buffer);
+  return Object.values(output)
+    .filter((value) => ArrayBuffer.isView(value))
+    .map((value) => value.buffer);
 }
