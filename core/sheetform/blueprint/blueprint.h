@@ -2,6 +2,7 @@
 // One model for all formats (sheet_svg.h, dxf.h, pdf.h, fold_file.h, part_list.h); made from a stored result
 // without decomposing again. Lengths are millimetres, angles degrees.
 #pragma once
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -62,9 +63,10 @@ struct BlueprintOptions {
 
   double kerf = 0;       ///< mm, full width of the cut; outer contours grow by half of it, inner ones shrink
   double thickness = 0;  ///< mm of the material; 0: paper
-  MeshSurface mesh_surface = MeshSurface::kMiddle;  ///< which face of the sheet the decomposed surface is
-  std::string material;  ///< name in materials.h, empty: none, bending is not checked
-  bool hinges = false;   ///< slots across rulings that bend below the material's radius (lattice hinge)
+  MeshSurface mesh_surface =
+      MeshSurface::kMiddle;  ///< which face of the sheet the decomposed surface is; the middle is drawn
+  std::string material;      ///< name in materials.h, empty: none, bending is not checked
+  bool hinges = false;       ///< slots across rulings that bend below the material's radius (lattice hinge)
 
   std::string profile = "makerspace";  ///< colours, layers and widths, profiles.h
   bool reference_bar = true;           ///< a bar of 100 mm on the guide layer of every sheet that has room
@@ -107,6 +109,7 @@ struct BlueprintPart {
   std::vector<BlueprintLine> lines;            ///< all that is drawn, in the order of Operation
   Vector2 ruling_direction = Vector2::Zero();  ///< mean, unit, sign free; zero: no rulings
   double area = 0;                             ///< mm2, of the outline
+  double smallest_radius = std::numeric_limits<double>::infinity();  ///< mm, to which it is bent
 };
 
 struct PlacedPart {

@@ -108,6 +108,12 @@ std::vector<double> ruling_turns(const StripMesh& strips, int patch, const std::
   return turns;
 }
 
+std::vector<double> evened_turns(const std::vector<double>& turns) {
+  std::vector<double> even = turns;
+  for (int pass = 0; pass < kSmoothingPasses; ++pass) even = smoothed(even);
+  return even;
+}
+
 std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, double step, double hidden) {
   std::vector<DrawnRuling> out;
   if (step <= 0) {
@@ -115,8 +121,7 @@ std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, doubl
       if (std::abs(turns[i]) >= hidden) out.push_back({static_cast<int>(i), turns[i]});
     return out;
   }
-  std::vector<double> even = turns;
-  for (int pass = 0; pass < kSmoothingPasses; ++pass) even = smoothed(even);
+  const std::vector<double> even = evened_turns(turns);
   const double threshold = std::max((0.5 + kHysteresis) * step, hidden);
   double open = 0;  // bending that no drawn ruling stands for yet
   for (std::size_t i = 0; i < even.size(); ++i) {

@@ -20,10 +20,13 @@ std::vector<Crease> creases_of(const StripMesh& strips, int patch);
 /// degrees.
 std::vector<double> ruling_turns(const StripMesh& strips, int patch, const std::vector<Crease>& creases);
 
-/// Rulings that stand for `step` degrees of bending each (several steps where one ruling bends that much). To-and-fro
-/// between neighbours is evened out first; then the bending up to any ruling, and what the rulings drawn up to there stand
-/// for, differ by little more than half a step. step 0: all rulings with their own turn. A drawn ruling stands for
-/// `hidden` degrees at least.
+/// Turns with the to-and-fro between neighbouring rulings evened out; their sum stays.
+std::vector<double> evened_turns(const std::vector<double>& turns);
+
+/// Rulings that stand for `step` degrees of bending each (several steps where one ruling bends that much).
+/// To-and-fro between neighbours is evened out first; then the bending up to any ruling, and what the rulings
+/// drawn up to there stand for, differ by little more than half a step. step 0: all rulings with their own
+/// turn. A drawn ruling stands for `hidden` degrees at least.
 struct DrawnRuling {
   int ruling;
   double angle;

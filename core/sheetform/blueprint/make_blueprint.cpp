@@ -4,9 +4,12 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/blueprint.h"
+#include "sheetform/blueprint/hinges.h"
 #include "sheetform/blueprint/joints.h"
+#include "sheetform/blueprint/materials.h"
 #include "sheetform/blueprint/nesting.h"
 #include "sheetform/blueprint/part_marks.h"
+#include "sheetform/blueprint/reshape.h"
 #include "sheetform/blueprint/seams.h"
 #include "sheetform/blueprint/stroke_font.h"
 #include "sheetform/blueprint/text.h"
@@ -153,6 +156,21 @@ void nest(Blueprint& b) {
   b.used_share = total > 0 ? inside / total : 0;
 }
 
+// Thickness and the size of the sheet change the surface itself, before anything is drawn.
+std::vector<std::string> reshape(Blueprint& b, const std::vector<std::string>& labels) {
+  const BlueprintOptions& o = b.options;
+  std::vector<std::string> names = labels;
+  if (o.thickness > 0 && o.mesh_surface != MeshSurface::kMiddle) {
+    const double inwards = (o.mesh_surface == MeshSurface::kOutside ? -0.5 : 0.5) * o.thickness / b.scale;
+    b.strips = moved_surface(b.strips, inwards, names, bounding_box_diagonal(b.strips.points));
+  }
+  if (o.oversize == Oversize::kSplit && o.sheet_width > 0) {
+    const double tabs = o.tabs == TabSides::kNone ? 0 : 2 * o.tab_depth, room = 2 * o.margin + tabs + 0.01;
+    split_to_fit(b.strips, names, (o.sheet_width - room) / b.scale, (o.sheet_height - room) / b.scale);
+  }
+  return names;
+}
+
 void require(bool good, const char* option, const std::string& what) {
   if (!good) throw Error(ErrorCode::kInvalidParameter, std::string(option) + " " + what, option);
 }
@@ -179,6 +197,9 @@ void validate(const BlueprintOptions& o) {
   in_range(o.tick_length, 0.1, 100, "tick_length"), in_range(o.tab_depth, 0.5, 100, "tab_depth");
   in_range(o.tab_angle, 20, 90, "tab_angle"), in_range(o.tab_pitch, 1, 1000, "tab_pitch");
   in_range(o.kerf, 0, 5, "kerf"), in_range(o.thickness, 0, 100, "thickness");
+  if (!o.material.empty()) material_named(o.material);
+  require(!o.hinges || (!o.material.empty() && o.thickness > 0), "hinges",
+          "need a material and its thickness");
 }
 
 std::vector<Vector2> placed(const std::vector<Vector2>& points, const Placement& placement) {
@@ -194,12 +215,15 @@ Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vecto
     throw Error(ErrorCode::kInternal, "one label a patch is needed");
   Blueprint b;
   b.options = options, b.origin = origin, b.strips = strips, b.scale = scale;
+  const std::vector<std::string> names = reshape(b, labels);
   const bool mirrored = options.marked_face == Face::kInside;
-  b.flat = flat_places(strips, scale, mirrored);
-  add_parts(b, labels);
-  b.seams = seams_of(strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
+  b.flat = flat_places(b.strips, scale, mirrored);
+  add_parts(b, names);
+  b.seams =
+      seams_of(b.strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
   add_joints(b);
   add_marks(b);
+  add_hinges(b);
   add_cuts(b);
   nest(b);
   return b;

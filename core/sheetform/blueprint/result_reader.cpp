@@ -277,7 +277,8 @@ Json parse_json(std::string_view text) {
 
 }  // namespace
 
-StoredResult read_result(std::string_view ruled_obj, std::string_view layout_json, const ResultLimits& limits) {
+StoredResult read_result(std::string_view ruled_obj, std::string_view layout_json,
+                         const ResultLimits& limits) {
   check_size(ruled_obj, "ruled.obj", limits);
   check_size(layout_json, "layout.json", limits);
   Obj obj = ObjReader().read(ruled_obj);

@@ -49,43 +49,51 @@ struct SvgPath {
 };
 
 std::string attribute(const std::string& tag, const std::string& name) {
-  std::smatch m;
-  return std::regex_search(tag, m, std::regex("[ ]" + name + "=\"([^\"]*)\"")) ? m[1].str() : "";
+  const std::size_t at = tag.find(' ' + name + "=\"");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + name.size() + 3;
+  return tag.substr(begin, tag.find('"', begin) - begin);
+}
+
+void read_path_data(SvgPath& p) {
+  std::istringstream in(p.d);
+  std::string word;
+  while (in >> word) {
+    if (word == "Z") {
+      p.closed = true;
+      continue;
+    }
+    if (word[0] == 'M') p.lines.emplace_back();
+    double y = 0;
+    in >> y;
+    p.lines.back().emplace_back(std::stod(word.substr(1)), y);
+  }
 }
 
 // Tags in order; checks on the way that they nest.
 std::vector<SvgPath> svg_paths(const std::string& svg) {
   std::vector<SvgPath> out;
   std::vector<std::string> open, parts, operations;
-  const std::regex tag("<(/?)([a-zA-Z:]+)([^<>]*?)(/?)>");
-  for (std::sregex_iterator it(svg.begin(), svg.end(), tag), end; it != end; ++it) {
-    const std::string name = (*it)[2], body = (*it)[3];
-    if ((*it)[1].length() > 0) {
+  for (std::size_t at = svg.find('<'); at != std::string::npos; at = svg.find('<', at + 1)) {
+    const std::string tag = svg.substr(at + 1, svg.find('>', at) - at - 1);
+    EXPECT_EQ(tag.find('<'), std::string::npos);
+    if (tag[0] == '?') continue;
+    const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
+    if (tag[0] == '/') {
       EXPECT_FALSE(open.empty());
-      EXPECT_EQ(open.back(), name);
+      EXPECT_EQ('/' + open.back(), tag);
       open.pop_back(), parts.pop_back(), operations.pop_back();
       continue;
     }
     if (name == "path") {
       SvgPath p;
-      p.operation = operations.back(), p.part = parts.back(), p.d = attribute(body, "d");
-      std::istringstream in(p.d);
-      std::string word;
-      while (in >> word) {
-        if (word == "Z") {
-          p.closed = true;
-          continue;
-        }
-        if (word[0] == 'M') p.lines.emplace_back();
-        double y = 0;
-        in >> y;
-        p.lines.back().emplace_back(std::stod(word.substr(1)), y);
-      }
+      p.operation = operations.back(), p.part = parts.back(), p.d = attribute(tag, "d");
+      read_path_data(p);
       out.push_back(std::move(p));
     }
-    if ((*it)[4].length() > 0) continue;
+    if (tag.back() == '/') continue;
     open.push_back(name);
-    const std::string part = attribute(body, "data-part"), operation = attribute(body, "data-op");
+    const std::string part = attribute(tag, "data-part"), operation = attribute(tag, "data-op");
     parts.push_back(part.empty() && !parts.empty() ? parts.back() : part);
     operations.push_back(operation.empty() && !operations.empty() ? operations.back() : operation);
   }
@@ -353,10 +361,8 @@ int check_pdf(const std::string& pdf) {
     const std::string wanted = std::to_string(i) + " 0 obj";
     EXPECT_EQ(pdf.compare(std::stoul(offset), wanted.size(), wanted), 0);
   }
-  std::smatch m;
-  const std::string text = pdf;
-  EXPECT_TRUE(std::regex_search(text, m, std::regex("/Type /Pages .*/Count (\\d+)")));
-  return std::stoi(m[1]);
+  const std::size_t pages = pdf.find("/Type /Pages ");
+  return std::stoi(pdf.substr(pdf.find("/Count ", pages) + 7));
 }
 
 TEST(Pdf, HasAPageForEachSheetInItsSize) {

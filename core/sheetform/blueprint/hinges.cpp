@@ -1,0 +1,131 @@
+#include "sheetform/blueprint/hinges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sheetform/blueprint/fold_lines.h"
+#include "sheetform/blueprint/materials.h"
+#include "sheetform/blueprint/text.h"
+
+namespace sheetform {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+using Segment = std::array<Vector2, 2>;
+
+// Rulings in the plane in their order, all pointing the same way as far as they can.
+std::vector<Segment> flat_rulings(const Blueprint& b, const std::vector<Crease>& creases) {
+  std::vector<Segment> out;
+  for (const Crease& c : creases) {
+    if (c.ruling < 0) continue;
+    Segment s{b.flat[c.vt[0]], b.flat[c.vt[1]]};
+    if (!out.empty() && (s[0] - out.back()[0]).squaredNorm() + (s[1] - out.back()[1]).squaredNorm() >
+                            (s[1] - out.back()[0]).squaredNorm() + (s[0] - out.back()[1]).squaredNorm())
+      std::swap(s[0], s[1]);
+    out.push_back(s);
+  }
+  return out;
+}
+
+double middle_distance(const Segment& a, const Segment& b) {
+  return ((a[0] + a[1]) - (b[0] + b[1])).norm() / 2;
+}
+
+/// Slots of one part.
+class Lattice {
+ public:
+  Lattice(Blueprint& blueprint, BlueprintPart& part)
+      : part_(part), inside_(part.outline), kerf_(blueprint.options.kerf) {
+    const double t = blueprint.options.thickness;
+    link_ = t, slot_ = 5 * t, rows_ = std::max(1.0, 0.5 * t + kerf_);
+    width_ = std::max(0.3, kerf_ + 0.1);
+  }
+
+  // Rows of slots between two rulings; `row` counts on from one pair to the next, so that rows stay
+  // staggered.
+  void fill(const Segment& a, const Segment& b, int& row) {
+    const int n = std::max(1, static_cast<int>(std::lround(middle_distance(a, b) / rows_)));
+    const double near = (a[0] - b[0]).norm() / n, far = (a[1] - b[1]).norm() / n;
+    for (int i = 0; i < n; ++i, ++row) {
+      const double f = (i + 0.5) / n;
+      add_row({a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])}, near, far, row);
+    }
+  }
+
+ private:
+  // Slots along one line; none where the rows run closer together than half their distance.
+  void add_row(const Segment& line, double near, double far, int row) {
+    const double length = (line[1] - line[0]).norm();
+    if (length < 3 * link_) return;
+    const Vector2 d = (line[1] - line[0]) / length;
+    const double start = link_ - (row % 2 ? (slot_ + link_) / 2 : 0);
+    for (double from = start; from < length - link_; from += slot_ + link_) {
+      const double s0 = std::max(from, link_), s1 = std::min(from + slot_, length - link_);
+      if (s1 - s0 < link_) continue;
+      const double tight = std::min(near + (far - near) * s0 / length, near + (far - near) * s1 / length);
+      if (tight < 0.5 * rows_) continue;
+      add_slot(line[0] + s0 * d, line[0] + s1 * d, d);
+    }
+  }
+
+  void add_slot(const Vector2& a, const Vector2& b, const Vector2& d) {
+    const TurnedBox box{(a + b) / 2, d, (b - a).norm() / 2, width_ / 2};
+    if (!inside_.holds(box.grown(0.9 * link_))) return;
+    Polygon contour = box.grown(-kerf_ / 2).corners();
+    std::reverse(contour.begin(), contour.end());  // holes run clockwise
+    part_.lines.push_back({Operation::kCutInner, std::move(contour), true, 0, 0});
+  }
+
+  BlueprintPart& part_;
+  Inside inside_;
+  double kerf_, link_, slot_, rows_, width_;
+};
+
+void say(Blueprint& b, const BlueprintPart& part, double allowed) {
+  b.warnings.push_back(
+      "Part " + part.label + " bends to a radius of " + rounded(part.smallest_radius, 1) + " mm, " +
+      b.options.material + " of " + rounded(b.options.thickness, 2) + " mm wants " + rounded(allowed, 1) +
+      " mm: " +
+      (b.options.hinges ? "slots are cut there" : "take thinner material, a larger model or hinges"));
+}
+
+}  // namespace
+
+std::vector<double> bend_radii(const Blueprint& b, int part) {
+  const int patch = b.parts[part].patch;
+  const std::vector<Crease> creases = creases_of(b.strips, patch);
+  const std::vector<Segment> lines = flat_rulings(b, creases);
+  const std::vector<double> turns = evened_turns(ruling_turns(b.strips, patch, creases));
+  std::vector<double> radii(lines.size(), kInfinite);
+  for (std::size_t i = 0; i < lines.size() && lines.size() > 1; ++i) {
+    const std::size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, lines.size() - 1);
+    const double spacing = middle_distance(lines[before], lines[after]) / static_cast<double>(after - before);
+    if (std::abs(turns[i]) > 1e-9) radii[i] = spacing / (std::abs(turns[i]) * kPi / 180);
+  }
+  return radii;
+}
+
+void add_hinges(Blueprint& b) {
+  const double allowed = b.options.material.empty()
+                             ? 0
+                             : smallest_radius(material_named(b.options.material), b.options.thickness);
+  for (std::size_t p = 0; p < b.parts.size(); ++p) {
+    BlueprintPart& part = b.parts[p];
+    const std::vector<double> radii = bend_radii(b, static_cast<int>(p));
+    if (radii.empty()) continue;
+    part.smallest_radius = *std::min_element(radii.begin(), radii.end());
+    if (part.smallest_radius >= allowed) continue;
+    say(b, part, allowed);
+    if (!b.options.hinges || b.options.thickness <= 0) continue;
+    const std::vector<Segment> lines = flat_rulings(b, creases_of(b.strips, part.patch));
+    Lattice lattice(b, part);
+    int row = 0;
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i)
+      if (radii[i] < allowed || radii[i + 1] < allowed) lattice.fill(lines[i], lines[i + 1], row);
+  }
+}
+
+}  // namespace sheetform
