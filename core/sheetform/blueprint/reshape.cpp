@@ -55,6 +55,19 @@ void unfold_again(StripMesh& m, const StripMesh::Patch& patch) {
   for (std::size_t i = 0; i < flat.size(); ++i) m.uvs[shape.vertices[i][1]] = flat[i];
 }
 
+// A patch that has passed through itself shows its inside where its outside was.
+bool turned_over(const StripMesh& before, const StripMesh& after, const StripMesh::Patch& patch) {
+  double agreement = 0, area = 0;
+  for (const StripMesh::Triangle& t : patch.triangles) {
+    const auto normal = [&](const StripMesh& m) -> Vector3 {
+      return (m.points[t.v[1]] - m.points[t.v[0]]).cross(m.points[t.v[2]] - m.points[t.v[0]]);
+    };
+    agreement += normal(after).dot(normal(before).stableNormalized());
+    area += normal(after).norm();
+  }
+  return agreement < 0.5 * area;
+}
+
 // --- splitting
 // -----------------------------------------------------------------------------------------------------
 
