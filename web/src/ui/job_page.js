@@ -241,6 +241,7 @@ class JobPage {
       mesh: () => this.mesh(),
       up: (mesh) => this.up(mesh),
       material: recall("jobs", {})[this.id]?.material,
+      go: this.go,
       runAgain: (change) => this.runAgain(job, change),
       remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
     });

@@ -12,6 +12,7 @@ import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
 import { reproduce } from "./reproduce.js";
 import { tradeOff } from "./trade_off_chart.js";
+import { startVariants } from "../variants.js";
 import { viewControls } from "./view_controls.js";
 
 const TABS = [
@@ -21,6 +22,36 @@ const TABS = [
 ];
 /** On a narrow screen one thing is shown at a time. */
 const NARROW = [["shape", "Shape"], ["flat", "Flat"], ...TABS];
+
+/** A quick draft says so, and offers the real thing. */
+function draftNote(job, go) {
+  const problem = h("div", {});
+  const button = h(
+    "button",
+    {
+      type: "button",
+      class: "primary",
+      onclick: async () => {
+        button.disabled = true;
+        try {
+          const [next] = await startVariants(job, [{ effort: "normal" }]);
+          go(`#job/${next.jobID}`);
+        } catch (error) {
+          button.disabled = false;
+          replace(problem, problemBox(error));
+        }
+      },
+    },
+    "Make it properly",
+  );
+  return h(
+    "div",
+    { class: "draft-note" },
+    h("p", {}, h("strong", {}, "Quick draft. "), "A full run finds fewer and smoother parts."),
+    button,
+    problem,
+  );
+}
 
 export class ResultView {
   constructor(context) {
@@ -57,6 +88,7 @@ export class ResultView {
       result: h(
         "div",
         { class: "tab-pane" },
+        job.parameters?.effort === "draft" && draftNote(job, this.go),
         figures(model, job),
         certificate(model),
         tradeOff(job, model.scale, this.stops),

@@ -226,23 +226,31 @@ function sendControls(page, draft, form) {
   const ready = drafts.list.filter((item) => item.mesh);
   const wrong = form.errors.size > 0;
   const label = ready.length > 1 ? `Make sheets of ${ready.length} meshes` : "Make the sheets";
-  return [
-    wrong && h("p", { class: "field-error" }, "Some settings above need another value."),
+  const disabled = wrong || ready.length < drafts.list.filter((item) => !item.error).length;
+  const button = (look, change, text) =>
     h(
       "button",
       {
         type: "button",
-        class: "primary large wide",
-        disabled: wrong || ready.length < drafts.list.filter((item) => !item.error).length,
-        onclick: (event) => start(page, ready, form, event.target.closest(".send")),
+        class: look,
+        disabled,
+        onclick: (event) => start(page, ready, form, event.target.closest(".send"), change),
       },
-      label,
+      text,
+    );
+  return [
+    wrong && h("p", { class: "field-error" }, "Some settings above need another value."),
+    h(
+      "div",
+      { class: "send-row" },
+      form.schemas.effort?.enum?.includes("draft") && button("large", { effort: "draft" }, "Quick draft"),
+      button("primary large", {}, label),
     ),
   ];
 }
 
 /** Sends every mesh; the first job opens, errors stay here. */
-async function start(page, ready, form, place) {
+async function start(page, ready, form, place, change) {
   const abort = new AbortController();
   page.sending = abort;
   let first = null;
@@ -255,14 +263,18 @@ async function start(page, ready, form, place) {
       h("button", { type: "button", onclick: () => abort.abort() }, "Stop"),
     );
     try {
-      const job = await execute(draft.file, parametersOf(draft, form), {
-        tag: draft.tag.trim(),
-        filename: draft.name,
-        signal: abort.signal,
-        onProgress: (share) => {
-          bar.value = share;
+      const job = await execute(
+        draft.file,
+        { ...parametersOf(draft, form), ...change },
+        {
+          tag: draft.tag.trim(),
+          filename: draft.name,
+          signal: abort.signal,
+          onProgress: (share) => {
+            bar.value = share;
+          },
         },
-      });
+      );
       jobs.put(job);
       remember("values", form.changed());
       rememberJob(job.jobID, draft);

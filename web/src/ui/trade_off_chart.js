@@ -1,10 +1,9 @@
 // The curve of parts against error: every result of this mesh, and a sweep that fills the gaps. A point opens its result.
-import { execute, getInput } from "../api.js";
 import { h, replace, s } from "../dom.js";
 import { count, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { recall, remember } from "../prefs.js";
 import { curve, missing, relatives } from "../result/trade_off.js";
+import { startVariants } from "../variants.js";
 import { problemBox } from "./problem.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 196, 34, 30, 24];
@@ -32,18 +31,10 @@ export function tradeOff(job, scale, stops) {
     sending = true;
     update();
     try {
-      const mesh = await getInput(job.jobID);
-      const known = recall("jobs", {});
-      for (const e_max of tolerances) {
-        const next = await execute(
-          mesh,
-          { ...changed(job.parameters), e_max, effort: "draft" },
-          { tag: job.tag, filename: job.inputs?.mesh?.name },
-        );
-        known[next.jobID] = known[job.jobID] ?? {};
-        remember("jobs", known);
-        jobs.put(next);
-      }
+      await startVariants(
+        job,
+        tolerances.map((e_max) => ({ e_max, effort: "draft" })),
+      );
     } catch (error) {
       replace(note, problemBox(error));
     }
@@ -53,15 +44,6 @@ export function tradeOff(job, scale, stops) {
   stops.push(jobs.onChange(update));
   update();
   return h("section", { class: "trade-off" }, h("h2", {}, "Fewer parts, or closer?"), chart, controls, note);
-}
-
-/** Parameters as they were asked for; what the server filled in by itself with null is left out. */
-function changed(parameters = {}) {
-  return Object.fromEntries(
-    Object.entries(parameters).filter(
-      ([name, value]) => value !== null && name !== "e_max_mm" && name !== "target_size",
-    ),
-  );
 }
 
 function draw(points, job, scale) {
