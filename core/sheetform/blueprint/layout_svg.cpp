@@ -1,7 +1,10 @@
 #include "sheetform/blueprint/layout_svg.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "sheetform/blueprint/polygon_tools.h"
+#include "sheetform/blueprint/stroke_font.h"
 #include "sheetform/blueprint/text.h"
 
 namespace sheetform {
@@ -31,10 +34,21 @@ class SvgWriter {
     append_rounded(out_, drawing_.height - p.y(), kDecimals);
   }
 
-  void line(const char* kind, const char* colour, const std::vector<Vector2>& points, bool closed) {
+  void begin(const char* kind, const char* colour) {
     out_ += std::string("  <path class=\"") + kind + "\" fill=\"none\" stroke=\"" + colour +
             "\" stroke-width=\"" + rounded(stroke_, kDecimals) + "\" d=\"";
-    for (std::size_t i = 0; i < points.size(); ++i) out_ += i == 0 ? "M" : " L", point(points[i]);
+  }
+
+  void draw(const std::vector<Vector2>& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      out_ += i == 0 ? "M" : " L";
+      point(points[i]);
+    }
+  }
+
+  void line(const char* kind, const char* colour, const std::vector<Vector2>& points, bool closed) {
+    begin(kind, colour);
+    draw(points);
     out_ += closed ? " Z\"/>\n" : "\"/>\n";
   }
 
@@ -43,20 +57,27 @@ class SvgWriter {
     out_ += " <g id=\"part-" + name + "\" data-patch=\"" + std::to_string(part.patch) + "\">\n";
     for (const auto& [a, b] : part.rulings) line("ruling", "#0000ff", {a, b}, false);
     line("cut", "#ff0000", part.outline, true);
-    label(part, name);
+    label(part);
     out_ += " </g>\n";
   }
 
-  // In the middle of the part's box, a tenth of its smaller side high.
-  void label(const DrawnPart& part, const std::string& name) {
+  // In single strokes at the roomiest place, as high as the circle around it holds, 8 mm at most.
+  void label(const DrawnPart& part) {
     Vector2 low = part.outline.front(), high = low;
     for (const Vector2& p : part.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
-    const double size = std::min(8.0, 0.3 * (high - low).minCoeff());
-    const Vector2 middle = 0.5 * (low + high);
-    out_ += "  <text class=\"text\" x=\"" + rounded(middle.x(), kDecimals) + "\" y=\"" +
-            rounded(drawing_.height - middle.y() + 0.35 * size, kDecimals) + "\" font-size=\"" +
-            rounded(size, kDecimals) +
-            "\" font-family=\"sans-serif\" text-anchor=\"middle\" fill=\"#000000\">" + name + "</text>\n";
+    const Pole pole = pole_of_inaccessibility(part.outline, 0.01 * (high - low).maxCoeff());
+    const double width = stroke_text_width(part.label, 1);
+    const double size = std::min(8.0, 1.7 * pole.radius / std::hypot(width, 1));
+    const StrokeText text = stroke_text(part.label, size);
+    if (text.lines.empty() || !(size > 0)) return;
+    begin("text", "#000000");
+    for (const std::vector<Vector2>& line : text.lines) {
+      std::vector<Vector2> points;
+      for (const Vector2& p : line) points.push_back(pole.center + p - Vector2(text.width, text.height) / 2);
+      out_ += &line == &text.lines.front() ? "" : " ";
+      draw(points);
+    }
+    out_ += "\"/>\n";
   }
 
   const LayoutDrawing& drawing_;

@@ -20,8 +20,8 @@ struct LayoutDrawing {
 };
 
 /// One page, 1 unit = 1 mm, y flipped, not mirrored; a group a part, its outline one closed path of class
-/// cut, rulings of class ruling, the label of class text; looks as inline attributes. Coordinates are rounded
-/// to 1e-5 mm.
+/// cut, rulings of class ruling, the label in single strokes of class text; looks as inline attributes.
+/// Coordinates are rounded to 1e-5 mm.
 std::string write_layout_svg(const LayoutDrawing& drawing);
 
 }  // namespace sheetform
