@@ -11,10 +11,11 @@ namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kClearance = 0.5;  // mm between a tooth and whatever is not its foot
-constexpr double kOverlap = 0.05;   // mm that a tooth reaches into its part, so that both unite
-constexpr double kKept = 1.0 / 3;   // of a tooth that must remain
-constexpr double kShortest = 2.0;   // mm of seam that a tooth needs
+constexpr double kClearance = 0.5;   // mm between a tooth and whatever is not its foot
+constexpr double kOverlap = 0.05;    // mm that a tooth reaches into its part, so that both unite
+constexpr double kKept = 1.0 / 3;    // of a tooth that must remain
+constexpr double kNoContact = 2e-3;  // mm that edges of a contour which are no neighbours keep apart
+constexpr double kShortest = 2.0;    // mm of seam that a tooth needs
 
 Vector2 left_of(const Vector2& d) { return {-d.y(), d.x()}; }
 
@@ -146,6 +147,12 @@ class PartJoints {
     core_ = offset({part_.outline}, -2 * kOverlap, Corner::kMitred);
   }
 
+  // Part and tooth are one contour together: no pocket between them, no place where they merely touch.
+  bool joins_cleanly(const Polygon& tooth) const {
+    const Polygons both = unite({part_.outline, tooth});
+    return both.size() == 1 && self_contact(both.front(), kNoContact).i < 0;
+  }
+
   // What is left of a tooth here; empty if too little.
   Polygons fitted(const Tooth& tooth) const {
     Polygons pieces = subtract({tooth.shape}, core_);
@@ -156,7 +163,8 @@ class PartJoints {
     for (const Polygons& placed_tooth : taken_)
       others.insert(others.end(), placed_tooth.begin(), placed_tooth.end());
     if (!others.empty()) pieces = subtract(pieces, others);
-    return piece_at_foot(pieces, tooth, tooth.shape);
+    pieces = piece_at_foot(pieces, tooth, tooth.shape);
+    return !pieces.empty() && joins_cleanly(pieces.front()) ? pieces : Polygons{};
   }
 
   void take(const Tooth& tooth, const Polygons& pieces, double angle) {

@@ -97,9 +97,9 @@ double automatic_width(const Blueprint& b) {
 }
 
 [[noreturn]] void refuse_part(const Blueprint& b, const BlueprintPart& part) {
-  const Vector2 size = bounds_of(part.outline).size();
+  const Vector2 size = bounds_of(placed(part.outline, flat_turn(part.outline))).size();
   throw Error(ErrorCode::kInvalidParameter,
-              "part " + part.label + " (about " + rounded(size.x(), 0) + " x " + rounded(size.y(), 0) +
+              "part " + part.label + " (" + rounded(size.x(), 0) + " x " + rounded(size.y(), 0) +
                   " mm) is larger than a sheet of " + rounded(b.options.sheet_width, 1) + " x " +
                   rounded(b.options.sheet_height, 1) + " mm",
               "sheet", "Choose a larger sheet or a smaller scale, or let large parts be split");

@@ -183,21 +183,44 @@ Polygon outline_of(const StripMesh& m, const StripMesh::Patch& patch, const std:
   return points;
 }
 
-// The inner edge whose larger half is smallest; rulings before diagonals.
+double area_of(const StripMesh& m, const StripMesh::Patch& patch, const std::vector<char>& side, char which) {
+  double twice = 0;
+  for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
+    const auto& vt = patch.triangles[t].vt;
+    const Vector2 u = m.uvs[vt[1]] - m.uvs[vt[0]], w = m.uvs[vt[2]] - m.uvs[vt[0]];
+    if (side[t] == which) twice += std::abs(u.x() * w.y() - u.y() * w.x());
+  }
+  return twice / 2;
+}
+
+// The inner edge whose larger half is smallest: by how far it is from fitting, then by area; rulings before
+// diagonals. False where no cut brings a patch nearer to fitting and none takes a tenth of it away.
 bool best_cut(const StripMesh& m, int patch, double width, double height, Edge& out) {
-  double best = excess(outline_of(m, m.patches[patch], nullptr, 0), width, height) * (1 - 1e-9);
-  bool found = false;
+  const StripMesh::Patch& p = m.patches[patch];
+  const double whole = excess(outline_of(m, p, nullptr, 0), width, height);
+  const double area = area_of(m, p, std::vector<char>(p.triangles.size(), 0), 0);
   for (const bool rulings : {true, false}) {
+    std::pair<double, double> best{1e300, 1e300};
     for (const Crease& c : creases_of(m, patch)) {
       if ((c.ruling >= 0) != rulings) continue;
-      const std::vector<char> side = second_side(m.patches[patch], c.vt);
-      const double worse = std::max(excess(outline_of(m, m.patches[patch], &side, 0), width, height),
-                                    excess(outline_of(m, m.patches[patch], &side, 1), width, height));
-      if (worse < best) best = worse, out = c.vt, found = true;
+      const std::vector<char> side = second_side(p, c.vt);
+      const double larger = std::max(excess(outline_of(m, p, &side, 0), width, height),
+                                     excess(outline_of(m, p, &side, 1), width, height));
+      const double most = std::max(area_of(m, p, side, 0), area_of(m, p, side, 1));
+      if (larger >= whole * (1 - 1e-9) && most > 0.9 * area) continue;
+      const std::pair key{std::round(larger * 1e6), most};
+      if (key < best) best = key, out = c.vt;
     }
-    if (found) return true;
+    if (best.first < 1e300) return true;
   }
   return false;
+}
+
+// A triangle that does not fit makes every cut useless.
+bool every_triangle_fits(const StripMesh& m, const StripMesh::Patch& patch, double width, double height) {
+  return std::all_of(patch.triangles.begin(), patch.triangles.end(), [&](const StripMesh::Triangle& t) {
+    return excess({m.uvs[t.vt[0]], m.uvs[t.vt[1]], m.uvs[t.vt[2]]}, width, height) <= 1;
+  });
 }
 
 }  // namespace
@@ -266,7 +289,8 @@ void split_to_fit(StripMesh& m, std::vector<std::string>& labels, double width, 
       continue;
     }
     Edge cut{};
-    if (m.patches.size() > 5000 || !best_cut(m, static_cast<int>(p), width, height, cut))
+    if (m.patches.size() > 5000 || !every_triangle_fits(m, m.patches[p], width, height) ||
+        !best_cut(m, static_cast<int>(p), width, height, cut))
       throw Error(ErrorCode::kInvalidParameter,
                   "part " + labels[root[p]] + " cannot be split into pieces that fit the sheet", "sheet",
                   "Choose a larger sheet or a smaller model");
