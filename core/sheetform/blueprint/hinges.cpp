@@ -12,6 +12,7 @@ namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kTextClear = 0.8;  // mm between a slot and a letter
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 using Segment = std::array<Vector2, 2>;
@@ -42,6 +43,9 @@ class Lattice {
     const double t = blueprint.options.thickness;
     link_ = t, slot_ = 5 * t, rows_ = std::max(1.0, 0.5 * t + kerf_);
     width_ = std::max(0.3, kerf_ + 0.1);
+    for (const BlueprintLine& line : part.lines)
+      for (std::size_t i = 0; line.operation == Operation::kText && i + 1 < line.points.size(); ++i)
+        texts_.push_back({line.points[i], line.points[i + 1]});
   }
 
   // Rows of slots between two rulings; `row` counts on from one pair to the next, so that rows stay
@@ -53,6 +57,18 @@ class Lattice {
       const double f = (i + 0.5) / n;
       add_row({a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])}, near, far, row);
     }
+  }
+
+  // Where slots let the part bend, a score beside them would only weaken it.
+  void drop_scores() {
+    std::erase_if(part_.lines, [&](const BlueprintLine& line) {
+      const bool score =
+          line.operation == Operation::kScoreMountain || line.operation == Operation::kScoreValley;
+      if (!score || line.seam > 0) return false;
+      return std::any_of(slots_.begin(), slots_.end(), [&](const TurnedBox& s) {
+        return meets(s.grown(rows_), line.points.front(), line.points.back());
+      });
+    });
   }
 
  private:
@@ -73,15 +89,32 @@ class Lattice {
 
   void add_slot(const Vector2& a, const Vector2& b, const Vector2& d) {
     const TurnedBox box{(a + b) / 2, d, (b - a).norm() / 2, width_ / 2};
-    if (!inside_.holds(box.grown(0.9 * link_))) return;
+    if (!inside_.holds(box.grown(0.9 * link_)) || near_a_slot(box.grown(0.4 * rows_)) ||
+        on_a_text(box.grown(kTextClear)))
+      return;
+    slots_.push_back(box);
     Polygon contour = box.grown(-kerf_ / 2).corners();
     std::reverse(contour.begin(), contour.end());  // holes run clockwise
     part_.lines.push_back({Operation::kCutInner, std::move(contour), true, 0, 0});
   }
 
+  bool near_a_slot(const TurnedBox& box) const {
+    const double reach = box.half_width + box.half_height;
+    return std::any_of(slots_.begin(), slots_.end(), [&](const TurnedBox& s) {
+      return (s.center - box.center).norm() <= reach + s.half_width + s.half_height && overlap(s, box);
+    });
+  }
+
+  bool on_a_text(const TurnedBox& box) const {
+    return std::any_of(texts_.begin(), texts_.end(),
+                       [&](const Segment& t) { return meets(box, t[0], t[1]); });
+  }
+
   BlueprintPart& part_;
   Inside inside_;
   double kerf_, link_, slot_, rows_, width_;
+  std::vector<TurnedBox> slots_;
+  std::vector<Segment> texts_;
 };
 
 void say(Blueprint& b, const BlueprintPart& part, double allowed) {
@@ -125,6 +158,7 @@ void add_hinges(Blueprint& b) {
     int row = 0;
     for (std::size_t i = 0; i + 1 < lines.size(); ++i)
       if (radii[i] < allowed || radii[i + 1] < allowed) lattice.fill(lines[i], lines[i + 1], row);
+    lattice.drop_scores();
   }
 }
 

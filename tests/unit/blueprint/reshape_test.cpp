@@ -177,6 +177,19 @@ TEST(Bending, TooTightIsSaidAndHingesAreCut) {
     }
   }
   EXPECT_GT(slots, 300);
+  for (const BlueprintLine& score : hinged.parts[0].lines)
+    EXPECT_NE(score.operation, Operation::kScoreMountain);  // slots do it
+  for (const BlueprintLine& text : hinged.parts[0].lines) {
+    if (text.operation != Operation::kText) continue;
+    for (const BlueprintLine& slot : hinged.parts[0].lines) {
+      if (slot.operation != Operation::kCutInner) continue;
+      for (std::size_t i = 0; i + 1 < text.points.size(); ++i)
+        for (std::size_t k = 0; k < 4; ++k)
+          ASSERT_GT(
+              segment_distance(text.points[i], text.points[i + 1], slot.points[k], slot.points[(k + 1) % 4]),
+              0.3);
+    }
+  }
   o.material = "paper";
   EXPECT_TRUE(blueprint_of(shapes::tube(48), o).warnings.empty());
 }
