@@ -84,8 +84,8 @@ std::vector<TokenRecord> TokenFile::list() const {
   text << in.rdbuf();
   try {
     std::vector<TokenRecord> records;
-    for (const api::Json& value : api::Json::parse(text.str()).at("tokens"))
-      records.push_back(record_from(value));
+    const api::Json file = api::Json::parse(text.str());
+    for (const api::Json& value : file.at("tokens")) records.push_back(record_from(value));
     return records;
   } catch (const std::exception& e) {
     throw std::runtime_error("the file of tokens " + path_.string() + " is broken: " + e.what());

@@ -22,6 +22,20 @@ api::ProblemType problem_type(ErrorCode code) {
   return api::ProblemType::kInternal;
 }
 
+/// What to do when the one who found the fault had no better advice.
+const char* usual_fix(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kUnreadableMesh:
+      return "export the mesh again, or in another format";
+    case ErrorCode::kUnsupportedMesh:
+      return "repair the mesh in the program that made it";
+    case ErrorCode::kLimitExceeded:
+      return "simplify the mesh";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 api::Problem to_problem(const Error& error) {
@@ -29,7 +43,7 @@ api::Problem to_problem(const Error& error) {
   problem.type = problem_type(error.code());
   problem.detail = error.summary();
   problem.where = error.where();
-  problem.fix = error.fix();
+  problem.fix = error.fix().empty() ? usual_fix(error.code()) : error.fix();
   if (error.code() == ErrorCode::kInvalidParameter) problem.pointer = error.where();
   return problem;
 }

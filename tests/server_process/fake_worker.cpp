@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/jobs/sandbox.h"
 #include "server/jobs/worker_protocol.h"
 
 namespace sheetform::server {
@@ -176,6 +177,7 @@ void inspect(const WorkerRequest& request) {
 int main() {
   using namespace sheetform::server;
   const WorkerRequest request = worker_request_from(read_request());
+  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
   if (request.mode == WorkerMode::kInspect)
     inspect(request);
   else

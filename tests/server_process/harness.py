@@ -21,19 +21,17 @@ EXECUTION = "/api/v1/processes/decompose/execution"
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
-def cone(sides=24, seed=0):
-    """An open cone as OBJ: one sheet, decomposed in no time. seed moves the tip, so that each is another mesh."""
+def arc(across=8, along=5, seed=0):
+    """A quarter of a tube as OBJ: one sheet, decomposed in no time. seed makes each another mesh."""
     import math
-    lines = [f"v {math.cos(2 * math.pi * i / sides):.9f} {math.sin(2 * math.pi * i / sides):.9f} 0" for i in range(sides)]
-    rings = 6
-    for ring in range(1, rings):
-        r = 1 - ring / rings * 0.8
-        lines += [f"v {r * math.cos(2 * math.pi * i / sides):.9f} {r * math.sin(2 * math.pi * i / sides):.9f} "
-                  f"{(1 - r) * (1.5 + seed * 1e-4):.9f}" for i in range(sides)]
-    for ring in range(rings - 1):
-        for i in range(sides):
-            a, b = ring * sides + i + 1, ring * sides + (i + 1) % sides + 1
-            lines += [f"f {a} {b} {b + sides}", f"f {a} {b + sides} {a + sides}"]
+    points = [(math.cos(math.pi / 2 * i / across), math.sin(math.pi / 2 * i / across), j / along * (1 + seed * 1e-4))
+              for j in range(along + 1) for i in range(across + 1)]
+    lines = ["v %.9f %.9f %.9f" % p for p in points]
+    for j in range(along):
+        for i in range(across):
+            a = j * (across + 1) + i + 1
+            b, c, d = a + 1, a + across + 2, a + across + 1
+            lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -55,7 +53,9 @@ class Server:
     def __init__(self, *options, fake=True, data=None, env=None, wait=True):
         self.data = data or tempfile.mkdtemp(prefix="sheetform-test-")
         self.own_data = data is None
-        self.options = ["--min-free", "0", "--log", "json", *options]
+        self.options = ["--log", "json", *options]
+        if "--min-free" not in options:
+            self.options += ["--min-free", "0"]
         if fake:
             self.options += ["--worker", FAKE_WORKER, "--no-sandbox"]
         self.env = dict(os.environ, **(env or {}))

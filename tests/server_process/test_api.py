@@ -7,7 +7,7 @@ import time
 import urllib.parse
 import zipfile
 
-from harness import EXECUTION, TRIANGLE, Server, ServerCase, cone, main, unique_mesh
+from harness import EXECUTION, TRIANGLE, Server, ServerCase, arc, main, unique_mesh
 
 
 def form(parts):
@@ -24,10 +24,10 @@ class RealPipeline(ServerCase):
     fake = False
 
     def test_upload_to_result(self):
-        mesh = cone()
-        job = self.server.submit(mesh, name="cone.obj", e_max=0.02, tag="first")
+        mesh = arc()
+        job = self.server.submit(mesh, name="arc.obj", e_max=0.02, tag="first")
         self.assertEqual(job["inputs"]["mesh"]["sha256"], hashlib.sha256(mesh).hexdigest())
-        self.assertEqual((job["inputs"]["mesh"]["vertices"], job["inputs"]["mesh"]["faces"]), (144, 240))
+        self.assertEqual((job["inputs"]["mesh"]["vertices"], job["inputs"]["mesh"]["faces"]), (54, 80))
         self.assertEqual(job["inputs"]["mesh"]["format"], "obj")
         self.assertEqual(job["parameters"]["e_max"], 0.02)
         self.assertEqual(job["tag"], "first")
@@ -45,9 +45,9 @@ class RealPipeline(ServerCase):
         self.assertEqual(layout["schema"], "sheetform-layout/1")
 
     def test_inch_and_size_are_echoed(self):
-        job = self.server.submit(cone(), name="cone.obj", scale=25.4)
+        job = self.server.submit(arc(), name="arc.obj", scale=25.4)
         self.assertEqual(job["inputs"]["mesh"]["unitAssumed"], "1 unit = 25.4 mm")
-        job = self.server.submit(cone(), name="cone.obj", target_size=500)
+        job = self.server.submit(arc(), name="arc.obj", target_size=500)
         self.assertAlmostEqual(max(job["inputs"]["mesh"]["sizeMm"]), 500, places=6)
         self.server.request("DELETE", f"/api/v1/jobs/{job['jobID']}")
 

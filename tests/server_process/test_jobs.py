@@ -1,0 +1,154 @@
+"""Supervision: every way in which a job's process can go wrong, cancel, limits, the queue."""
+import os
+import random
+import threading
+import time
+
+from harness import EXECUTION, Server, ServerCase, main, unique_mesh
+
+MISBEHAVIOUR = [  # way, kind of problem, starts
+    ("memory", "memory-limit", 1),
+    ("abort", "worker-crashed", 3),
+    ("refuse", "unsupported-mesh", 1),
+    ("nothing", "algorithm-failed", 1),
+    ("exit", "algorithm-failed", 1),
+    ("missing", "algorithm-failed", 1),
+    ("link", "algorithm-failed", 1),
+    ("twice", "algorithm-failed", 1),
+    ("none", "algorithm-failed", 1),
+    ("flood", "algorithm-failed", 1),
+    ("long-line", "algorithm-failed", 1),
+    ("segv", "worker-crashed", 3),
+    ("kill", "memory-limit", 3),
+    ("spin", "time-limit", 1),
+    ("deaf", "time-limit", 1),
+]
+
+
+class Misbehaviour(ServerCase):
+    options = ("--slots", "8", "--job-seconds", "4", "--job-memory", "128")
+
+    def test_every_way_is_told_apart_and_harms_nobody(self):
+        pid = self.server.process.pid
+        jobs = [(way, slug, starts, self.server.submit(name=f"{way}.obj")["jobID"]) for way, slug, starts in MISBEHAVIOUR]
+        good = [self.server.submit()["jobID"] for _ in range(4)]
+        for way, slug, starts, job_id in jobs:
+            with self.subTest(way):
+                job = self.server.wait(job_id, timeout=60)
+                self.assertEqual(job["status"], "failed", job)
+                self.assertTrue(job["exception"]["type"].endswith(slug), job["exception"])
+                self.assertEqual(job["attempt"], starts)
+                self.assertNotIn("report", job)
+        for job_id in good:
+            self.assertEqual(self.server.wait(job_id)["status"], "successful")
+        self.assertEqual(self.server.process.pid, pid)
+        self.assertEqual(self.server.children(), [])
+        self.assertEqual(os.listdir(os.path.join(self.server.data, "work")), [])
+
+    def test_crash_says_signal_and_stage(self):
+        job = self.server.wait(self.server.submit(name="segv.obj")["jobID"], timeout=60)
+        self.assertIn("signal 11", job["exception"]["detail"])
+        self.assertIn("stage trace", job["exception"]["detail"])
+
+    def test_nonsense_is_ignored(self):
+        job = self.server.wait(self.server.submit(name="nonsense.obj")["jobID"])
+        self.assertEqual(job["status"], "successful")
+
+    def test_a_reader_that_dies_is_no_servers_death(self):
+        answer = self.server.request("POST", f"{EXECUTION}?filename=inspect-segv.obj", unique_mesh())
+        self.assert_problem(answer, 422, "unreadable-mesh")
+
+    def test_progress_comes_in_order(self):
+        job_id = self.server.submit(name="work-1000.obj")["jobID"]
+        seen = []
+        while True:
+            job = self.server.job(job_id)
+            if job["status"] == "successful":
+                break
+            if job["status"] == "running":
+                seen.append(job["progress"])
+            time.sleep(0.02)
+        self.assertEqual(seen, sorted(seen))
+        self.assertGreater(len(set(seen)), 8)
+        self.assertEqual(job["progress"], 100)
+
+
+class Cancel(ServerCase):
+    options = ("--slots", "2")
+
+    def test_cancel_at_random_moments(self):
+        rng = random.Random(3)
+        for i in range(15):
+            name = "deaf.obj" if i % 5 == 0 else "work-800.obj"
+            job_id = self.server.submit(name=name)["jobID"]
+            time.sleep(rng.random() * 0.9)
+            answer = self.server.request("DELETE", f"/api/v1/jobs/{job_id}")
+            self.assertEqual(answer.status, 200)
+            begun = time.monotonic()
+            while self.server.children() and time.monotonic() - begun < 5:
+                time.sleep(0.01)
+            self.assertLess(time.monotonic() - begun, 1.0)
+            job = self.server.get(f"/api/v1/jobs/{job_id}")
+            if job.status == 200:  # else it had ended before, and was removed
+                self.assertEqual(job.json()["status"], "dismissed")
+                self.assertEqual(self.server.get(f"/api/v1/jobs/{job_id}/results").status, 404)
+        time.sleep(0.3)
+        self.assertEqual(os.listdir(os.path.join(self.server.data, "work")), [])
+
+    def test_cancel_storm(self):
+        ids = [self.server.submit(name="work-300.obj")["jobID"] for _ in range(30)]
+        threads = [threading.Thread(target=self.server.request, args=("DELETE", f"/api/v1/jobs/{i}")) for i in ids]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        # 404: had ended already, and was removed instead.
+        self.assertLessEqual({self.server.job(i)["status"] for i in ids}, {"dismissed", 404})
+        self.assertEqual(self.server.wait(self.server.submit()["jobID"])["status"], "successful")
+
+
+class Queue(ServerCase):
+    options = ("--slots", "1", "--queue", "3")
+
+    def test_full_queue_is_told(self):
+        running = self.server.submit(name="work-3000.obj")["jobID"]
+        self.server.wait(running, until=("running",))
+        waiting = [self.server.submit(name="work-3000.obj") for _ in range(3)]
+        self.assertEqual([self.server.job(j["jobID"])["queuePosition"] for j in waiting], [1, 2, 3])
+        answer = self.server.request("POST", EXECUTION, unique_mesh())
+        self.assert_problem(answer, 503, "queue-full")
+        self.assertTrue(answer.headers["Retry-After"])
+        for job in waiting:
+            self.server.request("DELETE", f"/api/v1/jobs/{job['jobID']}")
+        self.server.request("DELETE", f"/api/v1/jobs/{running}")
+        self.assertEqual(self.server.wait(self.server.submit()["jobID"])["status"], "successful")
+
+
+class Idempotency(ServerCase):
+    def test_parallel_requests_with_one_key_make_one_job(self):
+        mesh, answers = unique_mesh(), []
+        def send():
+            answers.append(self.server.request("POST", EXECUTION, mesh, {"Idempotency-Key": "parallel"}))
+        threads = [threading.Thread(target=send) for _ in range(40)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        self.assertEqual(len({a.json()["jobID"] for a in answers if a.status == 201}), 1)
+        self.assertLessEqual({a.status for a in answers}, {201, 409})
+        self.assertEqual(sum(a.status == 201 and not a.headers["Idempotency-Replayed"] for a in answers), 1)
+
+
+class DiskFull(ServerCase):
+    options = ("--min-free", "1000000000")
+
+    def test_uploads_are_refused_and_reading_goes_on(self):
+        self.assert_problem(self.server.request("POST", EXECUTION, unique_mesh()), 507, "disk-full")
+        self.assertEqual(self.server.get("/api/v1/jobs").status, 200)
+        self.assertEqual(self.server.get("/healthz").status, 200)
+        self.assertEqual(self.server.get("/readyz").status, 503)
+        self.assertEqual(os.listdir(os.path.join(self.server.data, "spool")), [])
+
+
+if __name__ == "__main__":
+    main()

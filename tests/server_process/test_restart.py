@@ -1,0 +1,306 @@
+"""What was acknowledged is never lost: restarts, kill -9, drain, replay of events, backup."""
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+from harness import EXECUTION, PROGRAM, Server, main, unique_mesh
+
+
+def events_of(server, path, headers=None, stop_after=None, timeout=20):
+    """Messages of a stream until it ends: (id or None, event, data)."""
+    received, current = [], {}
+    with socket.create_connection(("127.0.0.1", server.port), timeout=timeout) as s:
+        lines = "".join(f"{k}: {v}\r\n" for k, v in (headers or {}).items())
+        s.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n{lines}\r\n".encode())
+        stream = s.makefile("rb")
+        status = int(stream.readline().split()[1])
+        while stream.readline().strip():
+            pass
+        for line in stream:
+            line = line.decode().rstrip("\n")
+            if line == "" and current:
+                if "event" in current:
+                    received.append((current.get("id"), current["event"], json.loads(current["data"])))
+                    if stop_after and len(received) >= stop_after:
+                        return status, received
+                current = {}
+            elif ": " in line:
+                key, value = line.split(": ", 1)
+                current[key] = value
+    return status, received
+
+
+class Restart(unittest.TestCase):
+    def test_queued_and_running_jobs_survive_kill_9(self):
+        with Server("--slots", "1") as server:
+            done = server.wait(server.submit()["jobID"])
+            running = server.submit(name="work-1500.obj")["jobID"]
+            server.wait(running, until=("running",))
+            queued = [server.submit()["jobID"] for _ in range(5)]
+            gone = server.submit()["jobID"]
+            server.request("DELETE", f"/api/v1/jobs/{gone}")
+            begun = time.monotonic()
+            server.restart(signal.SIGKILL)
+            self.assertEqual(server.get("/readyz").status, 200)
+            self.assertLess(time.monotonic() - begun, 2)
+            self.assertEqual(server.job(gone)["status"], "dismissed")
+            job = server.wait(running)
+            self.assertEqual((job["status"], job["attempt"]), ("successful", 2))
+            for job_id in queued:
+                self.assertEqual(server.wait(job_id)["attempt"], 1)
+            again = server.get(f"/api/v1/jobs/{done['jobID']}/results/big.bin")
+            self.assertEqual(len(again.body), 700003)
+            self.assertEqual(server.children(), [])
+
+    def test_children_die_with_the_server(self):
+        with Server("--slots", "2") as server:
+            for _ in range(2):
+                server.wait(server.submit(name="deaf.obj")["jobID"], until=("running",))
+            children = server.children()
+            self.assertEqual(len(children), 2)
+            server.stop(signal.SIGKILL)
+            deadline = time.monotonic() + 3
+            while any(os.path.exists(f"/proc/{c}") for c in children) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            self.assertFalse([c for c in children if os.path.exists(f"/proc/{c}")])
+
+    def test_one_server_a_data_folder(self):
+        with Server() as server:
+            other = subprocess.run([PROGRAM, "serve", "--data", server.data, "--listen", "127.0.0.1:0"],
+                                   stderr=subprocess.PIPE, timeout=20)
+            self.assertNotEqual(other.returncode, 0)
+            self.assertIn(b"another sheetform server uses the data folder", other.stderr)
+            self.assertEqual(server.get("/healthz").status, 200)
+
+    def test_unfinished_uploads_are_swept(self):
+        with Server() as server:
+            with socket.create_connection(("127.0.0.1", server.port)) as s:
+                s.sendall(f"POST {EXECUTION} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\nv 0 0 0".encode())
+                deadline = time.monotonic() + 5
+                while not os.listdir(server.data + "/spool") and time.monotonic() < deadline:
+                    time.sleep(0.01)
+                self.assertEqual(len(os.listdir(server.data + "/spool")), 1)
+                server.restart(signal.SIGKILL)
+            self.assertEqual(os.listdir(server.data + "/spool"), [])
+
+    def test_foreign_and_newer_databases_are_refused(self):
+        for pragma in ("application_id=7; PRAGMA user_version=1", "user_version=99"):
+            with tempfile.TemporaryDirectory() as data:
+                server = Server(data=data)
+                server.stop()
+                subprocess.run(["python3", "-c", f"import sqlite3; sqlite3.connect('{data}/sheetform.db').executescript('PRAGMA {pragma};')"], check=True)
+                again = subprocess.run([PROGRAM, "serve", "--data", data, "--listen", "127.0.0.1:0"], stderr=subprocess.PIPE, timeout=20)
+                self.assertNotEqual(again.returncode, 0)
+                self.assertIn(b"database", again.stderr.splitlines()[-1])
+                os.unlink(server.log.name)
+
+
+class KillLoop(unittest.TestCase):
+    """T1 in short: kills at random moments under load; the long form is reliability/kill_loop.py."""
+    kills = 12
+
+    def test_nothing_acknowledged_is_lost(self):
+        rng = random.Random(11)
+        acknowledged, stop = {}, threading.Event()
+        with Server("--slots", "2", "--quiet") as server:
+            def submit_forever():
+                while not stop.is_set():
+                    mesh = unique_mesh()
+                    try:
+                        answer = server.request("POST", f"{EXECUTION}?filename=work-30.obj", mesh, timeout=5, check=False)
+                        if answer.status == 201:
+                            acknowledged[answer.json()["jobID"]] = hashlib.sha256(mesh).hexdigest()
+                    except Exception:
+                        time.sleep(0.01)  # the server is down just now
+            threads = [threading.Thread(target=submit_forever) for _ in range(4)]
+            for t in threads:
+                t.start()
+            try:
+                for _ in range(self.kills):
+                    time.sleep(rng.uniform(0.02, 0.4))
+                    server.restart(signal.SIGKILL)
+            finally:
+                stop.set()
+                for t in threads:
+                    t.join()
+            self.assertGreater(len(acknowledged), self.kills)
+            for job_id, digest in acknowledged.items():
+                job = server.wait(job_id, timeout=120)
+                self.assertEqual(job["status"], "successful", job)
+                self.assertEqual(job["inputs"]["mesh"]["sha256"], digest)
+                self.assertEqual(hashlib.sha256(server.get(f"/api/v1/jobs/{job_id}/input").body).hexdigest(), digest)
+                results = server.get(f"/api/v1/jobs/{job_id}/results").json()
+                self.assertEqual(list(results), ["layout.svg", "big.bin", "empty.txt"])
+
+
+class Drain(unittest.TestCase):
+    def test_running_jobs_get_their_time(self):
+        with Server("--slots", "2", "--drain", "10") as server:
+            job = server.submit(name="work-1000.obj")["jobID"]
+            server.wait(job, until=("running",))
+            self.assertEqual(server.stop(signal.SIGTERM), 0)
+            server.start()
+            self.assertEqual(server.job(job)["status"], "successful")
+            self.assertEqual(server.job(job)["attempt"], 1)
+
+    def test_jobs_that_do_not_end_in_time_wait_for_the_next_start(self):
+        with Server("--slots", "1", "--drain", "0") as server:
+            job = server.submit(name="work-1500.obj")["jobID"]
+            waiting = server.submit()["jobID"]
+            server.wait(job, until=("running",))
+            begun = time.monotonic()
+            self.assertEqual(server.stop(signal.SIGTERM), 0)
+            self.assertLess(time.monotonic() - begun, 3)
+            server.start()
+            self.assertEqual(server.wait(job)["status"], "successful")
+            self.assertEqual(server.wait(waiting)["status"], "successful")
+
+    def test_downloads_finish_and_streams_are_told(self):
+        with Server("--slots", "1", "--drain", "10") as server:
+            job = server.wait(server.submit()["jobID"])["jobID"]
+            slow, sizes, streams = server.submit(name="work-2000.obj")["jobID"], [], []
+            server.wait(slow, until=("running",))
+            def download():
+                with socket.create_connection(("127.0.0.1", server.port), timeout=20) as s:
+                    s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
+                    s.sendall(f"GET /api/v1/jobs/{job}/results/big.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+                    total = 0
+                    while True:
+                        piece = s.recv(50000)
+                        if not piece:
+                            break
+                        total += len(piece)
+                        time.sleep(0.01)
+                    sizes.append(total)
+            threads = [threading.Thread(target=download) for _ in range(10)]
+            threads += [threading.Thread(target=lambda: streams.append(events_of(server, "/api/v1/events"))) for _ in range(10)]
+            for t in threads:
+                t.start()
+            time.sleep(0.3)
+            self.assertEqual(server.stop(signal.SIGTERM), 0)
+            for t in threads:
+                t.join()
+            self.assertEqual(len(sizes), 10)
+            self.assertTrue(all(s > 700003 for s in sizes), sizes)
+            self.assertTrue(all(received[-1][1] == "shutdown" for _, received in streams), streams)
+
+    def test_no_new_jobs_while_stopping(self):
+        with Server("--slots", "1", "--drain", "10") as server:
+            job = server.submit(name="work-1500.obj")["jobID"]
+            server.wait(job, until=("running",))
+            server.process.send_signal(signal.SIGTERM)
+            time.sleep(0.2)
+            answer = server.request("POST", EXECUTION, unique_mesh(), check=False)
+            self.assertEqual((answer.status, answer.slug()), (503, "draining"))
+            self.assertEqual(server.request("GET", "/readyz", check=False).status, 503)
+            self.assertEqual(server.process.wait(20), 0)
+
+
+class Events(unittest.TestCase):
+    def test_replay_without_gap_or_duplicate(self):
+        with Server("--slots", "1") as server:
+            job = server.submit(name="work-1500.obj")["jobID"]
+            path = f"/api/v1/jobs/{job}/events"
+            first = []
+            thread = threading.Thread(target=lambda: first.append(self.until_cut(server, path)))
+            thread.start()
+            server.wait(job, until=("running",))
+            time.sleep(0.5)
+            server.restart(signal.SIGKILL)
+            thread.join()
+            seen = [int(i) for i, _, _ in first[0] if i]
+            status, rest = events_of(server, path, {"Last-Event-ID": str(seen[-1])})
+            seen += [int(i) for i, _, _ in rest if i]
+            self.assertEqual(seen, list(range(1, len(seen) + 1)))
+            self.assertEqual(rest[-1][2]["status"], "successful")
+            self.assertEqual(events_of(server, path, {"Last-Event-ID": str(seen[-1])})[0], 204)
+            self.assertEqual([int(i) for i, _, _ in events_of(server, path)[1] if i], seen)
+
+    def until_cut(self, server, path):
+        received = []
+        with socket.create_connection(("127.0.0.1", server.port), timeout=20) as s:
+            s.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            data = b""
+            try:
+                while True:
+                    piece = s.recv(65536)
+                    if not piece:
+                        break
+                    data += piece
+            except OSError:
+                pass
+        for block in data.decode().split("\r\n\r\n", 1)[-1].split("\n\n")[:-1]:
+            fields = dict(line.split(": ", 1) for line in block.splitlines() if ": " in line and not line.startswith(":"))
+            if "event" in fields:
+                received.append((fields.get("id"), fields["event"], json.loads(fields["data"])))
+        return received
+
+    def test_list_stream_tells_every_change(self):
+        with Server("--slots", "1") as server:
+            old = server.wait(server.submit()["jobID"])["jobID"]
+            got = []
+            thread = threading.Thread(target=lambda: got.append(events_of(server, "/api/v1/events", stop_after=6)))
+            thread.start()
+            time.sleep(0.3)
+            job = server.submit(name="work-200.obj")["jobID"]
+            server.wait(job)
+            server.request("DELETE", f"/api/v1/jobs/{old}")
+            thread.join()
+            events = got[0][1]
+            self.assertEqual(events[0][1], "snapshot")
+            self.assertEqual([j["jobID"] for j in events[0][2]["jobs"]], [old])
+            self.assertEqual({e[2]["jobID"] for e in events[1:] if e[1] == "job"}, {job})
+
+
+class Backup(unittest.TestCase):
+    def test_backup_of_a_running_server_and_restore(self):
+        with Server("--slots", "2") as server, tempfile.TemporaryDirectory() as folder:
+            jobs = [server.wait(server.submit()["jobID"]) for _ in range(3)]
+            queued = server.submit(name="work-3000.obj")["jobID"]
+            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+            copied = run("backup", folder + "/copy", "--data", server.data)
+            self.assertEqual(copied.returncode, 0, copied.stderr)
+            restored = run("restore", folder + "/copy", "--data", folder + "/data")
+            self.assertEqual(restored.returncode, 0, restored.stderr)
+            again = Server("--slots", "2", data=folder + "/data")
+            with again:
+                for job in jobs:
+                    results = again.get(f"/api/v1/jobs/{job['jobID']}/results").json()
+                    for entry in results.values():
+                        self.assertEqual(hashlib.sha256(again.get(entry["href"]).body).hexdigest(), entry["sha256"])
+                self.assertEqual(again.wait(queued)["status"], "successful")
+            self.assertEqual(run("backup", folder + "/copy", "--data", server.data).returncode, 65)
+
+    def test_damage_is_found(self):
+        with Server() as server, tempfile.TemporaryDirectory() as folder:
+            server.wait(server.submit()["jobID"])
+            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+            for victim in ("sheetform.db", "blobs.db", "blobs/in", "manifest.json"):
+                copy = folder + "/" + victim.replace("/", "-")
+                self.assertEqual(run("backup", copy, "--data", server.data).returncode, 0)
+                path = os.path.join(copy, victim)
+                while os.path.isdir(path):
+                    path = os.path.join(path, os.listdir(path)[0])
+                with open(path, "rb") as f:
+                    content = bytearray(f.read())
+                content[len(content) // 2] ^= 1
+                os.unlink(path)  # a hard link to the upload of the running server
+                with open(path, "wb") as f:
+                    f.write(content)
+                answer = run("restore", copy, "--data", folder + "/data")
+                self.assertEqual(answer.returncode, 65, victim)
+                self.assertFalse(os.path.exists(folder + "/data"))
+            self.assertEqual(run("backup", folder + "/x", "--data", folder).returncode, 65)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,310 @@
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "server/base/digest.h"
+#include "server/base/identity.h"
+#include "server/store/backup.h"
+#include "server/store/blob_store.h"
+#include "server/store/input_store.h"
+#include "server/store/job_store.h"
+
+namespace sheetform::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("sheetform-store-" + to_hex(random_bytes(6)))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+NewJob new_job(std::int64_t principal = 0, const std::string& tag = {}) {
+  NewJob job;
+  job.id = make_uuid();
+  job.principal = principal;
+  job.process = "decompose";
+  job.version = "1";
+  job.parameters = "{}";
+  job.tag = tag;
+  job.input = sha256(job.id);
+  job.input_bytes = 10;
+  job.reuse_key = sha256("reuse " + job.id);
+  job.created = now_us();
+  job.expires = job.created + kDay;
+  return job;
+}
+
+class JobStoreTest : public testing::Test {
+ protected:
+  Folder folder_;
+  JobStore store_{folder_.path() / "sheetform.db"};
+};
+
+TEST_F(JobStoreTest, JobsAreClaimedInTheOrderOfArrival) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 5; ++i) ids.push_back(store_.accept(new_job()).id);
+  EXPECT_EQ(store_.queue_position(*store_.find(ids[3])), 4);
+  for (const std::string& id : ids) EXPECT_EQ(store_.claim(now_us())->job.id, id);
+  EXPECT_FALSE(store_.claim(now_us()));
+}
+
+TEST_F(JobStoreTest, PrincipalsTakeTurns) {
+  const std::int64_t a = store_.principal_id("a"), b = store_.principal_id("b");
+  EXPECT_EQ(store_.principal_id("a"), a);
+  for (int i = 0; i < 4; ++i) store_.accept(new_job(a));
+  for (int i = 0; i < 2; ++i) store_.accept(new_job(b));
+  std::vector<std::int64_t> order;
+  for (int i = 0; i < 6; ++i) order.push_back(store_.claim(now_us())->job.principal);
+  EXPECT_THAT(order, testing::ElementsAre(a, b, a, b, a, a));
+}
+
+TEST_F(JobStoreTest, OnlyTheOwnerOfAnAttemptMayEndIt) {
+  const std::string id = store_.accept(new_job()).id;
+  const ClaimedJob first = *store_.claim(now_us());
+  EXPECT_TRUE(store_.requeue(first, Requeue::kInterruption, now_us(), "again"));
+  const ClaimedJob second = *store_.claim(now_us());
+  EXPECT_EQ(second.job.attempt, 2);
+  EXPECT_FALSE(store_.succeed(first, {{"a", "text/plain", sha256("a"), 1}}, "{}", ""));
+  EXPECT_FALSE(store_.fail(first, "{}", "", Requeue::kError));
+  EXPECT_FALSE(store_.report_progress(first, 50, "trace", ""));
+  EXPECT_TRUE(store_.outputs(second.job.seq).empty());
+  EXPECT_TRUE(store_.succeed(second, {{"a", "text/plain", sha256("a"), 1}}, "{}", ""));
+  EXPECT_FALSE(store_.succeed(second, {}, "{}", ""));
+  EXPECT_EQ(store_.outputs(second.job.seq).size(), 1u);
+  EXPECT_EQ(store_.find(id)->state, JobState::kSuccessful);
+}
+
+TEST_F(JobStoreTest, ADismissedJobTakesNoResult) {
+  const std::string id = store_.accept(new_job()).id;
+  const ClaimedJob claimed = *store_.claim(now_us());
+  EXPECT_EQ(store_.dismiss(id, now_us() + kDay), DismissOutcome::kDismissed);
+  EXPECT_FALSE(store_.succeed(claimed, {{"a", "text/plain", sha256("a"), 1}}, "{}", ""));
+  EXPECT_EQ(store_.find(id)->state, JobState::kDismissed);
+  EXPECT_EQ(store_.dismiss(id, 0), DismissOutcome::kRemoved);
+  EXPECT_EQ(store_.dismiss(id, 0), DismissOutcome::kNoSuchJob);
+}
+
+TEST_F(JobStoreTest, HeldBackJobsWaitForTheirTime) {
+  store_.accept(new_job());
+  const ClaimedJob claimed = *store_.claim(now_us());
+  const Microseconds later = now_us() + kHour;
+  store_.requeue(claimed, Requeue::kCrash, later, "later");
+  EXPECT_FALSE(store_.claim(now_us()));
+  EXPECT_EQ(store_.next_ready(), later);
+  const std::optional<ClaimedJob> again = store_.claim(later);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->job.crashes, 1);
+}
+
+TEST_F(JobStoreTest, EventsAreNumberedWithoutGaps) {
+  const JobRecord job = store_.accept(new_job());
+  const ClaimedJob claimed = *store_.claim(now_us());
+  for (int p = 0; p < 100; p += 10) store_.report_progress(claimed, p, "trace", "");
+  store_.fail(claimed, R"({"status":422})", "no", Requeue::kError);
+  const std::vector<JobEvent> events = store_.events_after(job.seq, 0);
+  ASSERT_EQ(events.size(), 13u);
+  for (std::size_t i = 0; i < events.size(); ++i)
+    EXPECT_EQ(events[i].number, static_cast<std::int64_t>(i + 1));
+  EXPECT_EQ(events.front().state, JobState::kAccepted);
+  EXPECT_EQ(events.back().state, JobState::kFailed);
+  EXPECT_EQ(store_.events_after(job.seq, 12).size(), 1u);
+  EXPECT_EQ(store_.find(job.id)->last_event, 13);
+}
+
+TEST_F(JobStoreTest, RecoveryPutsRunningJobsBack) {
+  const std::string id = store_.accept(new_job()).id;
+  store_.accept(new_job());
+  (void)store_.claim(now_us());
+  EXPECT_EQ(store_.recover(), 1);
+  EXPECT_EQ(store_.find(id)->state, JobState::kAccepted);
+  EXPECT_EQ(store_.find(id)->interruptions, 1);
+  EXPECT_EQ(store_.claim(now_us())->job.id, id);
+}
+
+TEST_F(JobStoreTest, RetryStartsAfresh) {
+  const std::string id = store_.accept(new_job()).id;
+  EXPECT_FALSE(store_.retry(id, 0));
+  const ClaimedJob claimed = *store_.claim(now_us());
+  store_.fail(claimed, R"({"status":500})", "no", Requeue::kCrash);
+  EXPECT_TRUE(store_.retry(id, now_us() + kDay));
+  const JobRecord job = *store_.find(id);
+  EXPECT_EQ(job.state, JobState::kAccepted);
+  EXPECT_EQ(job.crashes, 0);
+  EXPECT_EQ(job.problem, "");
+  EXPECT_FALSE(store_.retry("nobody", 0));
+}
+
+TEST_F(JobStoreTest, ReuseCopiesAResultAndOutlivesItsSource) {
+  NewJob first = new_job();
+  store_.accept(first);
+  const ClaimedJob claimed = *store_.claim(now_us());
+  store_.succeed(claimed, {{"a", "text/plain", sha256("a"), 1}, {"b", "text/plain", sha256("b"), 2}},
+                 R"({"patches":1})", "");
+  NewJob second = new_job();
+  second.reuse_key = first.reuse_key;
+  ASSERT_EQ(store_.find_reusable(0, first.reuse_key)->id, first.id);
+  EXPECT_FALSE(store_.find_reusable(store_.principal_id("other"), first.reuse_key));
+  const std::optional<JobRecord> job = store_.accept_reused(second, first.id);
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->state, JobState::kSuccessful);
+  EXPECT_EQ(job->report, R"({"patches":1})");
+  EXPECT_EQ(job->reused_from, first.id);
+  store_.remove(first.id);
+  EXPECT_EQ(store_.outputs(job->seq).size(), 2u);
+  EXPECT_EQ(store_.outputs(job->seq)[1].name, "b");
+  EXPECT_TRUE(store_.unused_blobs(now_us() + 1, 10).size() == 1);  // the first job's upload
+  EXPECT_FALSE(store_.accept_reused(new_job(), first.id));
+}
+
+TEST_F(JobStoreTest, IdempotencyIsKeptAndForgotten) {
+  NewJob job = new_job();
+  job.idempotency_key = "k";
+  job.route = "/r";
+  job.fingerprint = "f";
+  store_.accept(job);
+  EXPECT_EQ(store_.find_idempotency(0, "/r", "k")->job, job.id);
+  EXPECT_FALSE(store_.find_idempotency(1, "/r", "k"));
+  EXPECT_FALSE(store_.find_idempotency(0, "/q", "k"));
+  store_.forget_idempotency(now_us() + 1);
+  EXPECT_FALSE(store_.find_idempotency(0, "/r", "k"));
+}
+
+TEST_F(JobStoreTest, ListsByFilterAndPage) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 9; ++i) ids.push_back(store_.accept(new_job(0, i % 3 == 0 ? "x" : "y")).id);
+  JobFilter filter;
+  filter.tag = "x";
+  EXPECT_EQ(store_.list(filter).size(), 3u);
+  filter = JobFilter();
+  filter.limit = 4;
+  std::vector<std::string> seen;
+  for (;;) {
+    const std::vector<JobRecord> page = store_.list(filter);
+    for (const JobRecord& j : page) seen.push_back(j.id);
+    if (page.size() < 4) break;
+    filter.after = {page.back().created, page.back().id};
+  }
+  std::reverse(ids.begin(), ids.end());
+  EXPECT_EQ(seen, ids);
+  filter = JobFilter();
+  filter.states = {JobState::kRunning};
+  EXPECT_TRUE(store_.list(filter).empty());
+}
+
+TEST_F(JobStoreTest, TextsOfStrangersAreOnlyTexts) {
+  const std::string evil = "'; DROP TABLE job; --";
+  NewJob job = new_job(0, evil);
+  job.input_name = evil;
+  store_.accept(job);
+  EXPECT_FALSE(store_.find(evil));
+  JobFilter filter;
+  filter.tag = evil;
+  EXPECT_EQ(store_.list(filter).size(), 1u);
+}
+
+TEST_F(JobStoreTest, ExpiredJobsGoAndLeaveTheirContentUnused) {
+  NewJob job = new_job();
+  job.expires = now_us() - 1;
+  store_.accept(job);
+  EXPECT_TRUE(store_.remove_expired(now_us(), 10).empty());  // it still waits
+  const ClaimedJob claimed = *store_.claim(now_us());
+  store_.succeed(claimed, {{"a", "text/plain", sha256("a"), 1}}, "{}", "");
+  EXPECT_EQ(store_.remove_expired(now_us(), 10), std::vector<std::string>{job.id});
+  EXPECT_EQ(store_.unused_blobs(now_us() + 1, 10).size(), 2u);
+  EXPECT_TRUE(store_.remove_blob_row(job.input));
+  EXPECT_FALSE(store_.knows_blob(job.input));
+}
+
+TEST_F(JobStoreTest, EverythingIsThereAfterReopening) {
+  const std::string id = store_.accept(new_job()).id;
+  const JobStore again(folder_.path() / "sheetform.db");
+  EXPECT_EQ(again.find(id)->id, id);
+  EXPECT_EQ(again.check_integrity(), "");
+}
+
+TEST(BlobStore, RoundTripsAndReadsAnywhere) {
+  const Folder folder;
+  BlobStore blobs(folder.path() / "blobs.db");
+  std::mt19937 rng(3);
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{262143}, std::size_t{262144},
+                                 std::size_t{262145}, std::size_t{5'000'000}}) {
+    std::string content(size, '\0');
+    for (char& c : content) c = static_cast<char>(rng());
+    const fs::path path = folder.path() / "file";
+    std::ofstream(path, std::ios::binary) << content;
+    const Descriptor file(::open(path.c_str(), O_RDONLY));
+    const std::string digest = blobs.put_file(file.get(), size);
+    EXPECT_EQ(digest, sha256(content));
+    EXPECT_EQ(blobs.put_file(file.get(), size), digest);  // again
+    EXPECT_TRUE(blobs.has(digest));
+    EXPECT_EQ(blobs.read(digest, 0, size + 10), content);
+    for (int i = 0; i < 20 && size > 0; ++i) {
+      const std::uint64_t at = rng() % size, count = rng() % 600'000;
+      EXPECT_EQ(blobs.read(digest, at, count), content.substr(at, count));
+    }
+    EXPECT_EQ(blobs.read(digest, size, 10), "");
+    blobs.drop(digest);
+    EXPECT_FALSE(blobs.has(digest));
+  }
+  EXPECT_TRUE(blobs.digests("", 10).empty());
+}
+
+TEST(BlobStore, AFileThatIsShorterThanToldIsRefused) {
+  const Folder folder;
+  BlobStore blobs(folder.path() / "blobs.db");
+  const fs::path path = folder.path() / "file";
+  std::ofstream(path) << "abc";
+  const Descriptor file(::open(path.c_str(), O_RDONLY));
+  EXPECT_THROW((void)blobs.put_file(file.get(), 4), std::runtime_error);
+}
+
+TEST(InputStore, KeepsOnceUnderTheDigest) {
+  const Folder folder;
+  InputStore inputs(folder.path());
+  const std::string content(1'000'000, 'm');
+  for (int i = 0; i < 2; ++i) {
+    Upload upload(inputs.spool());
+    upload.add(content.substr(0, 10));
+    upload.add(content.substr(10));
+    EXPECT_EQ(upload.finish(), sha256(content));
+    inputs.keep(upload);
+  }
+  EXPECT_TRUE(fs::is_empty(inputs.spool()));
+  const Descriptor file = inputs.open(sha256(content));
+  ASSERT_TRUE(file.valid());
+  std::string back(content.size() + 1, '\0');
+  EXPECT_EQ(::read(file.get(), back.data(), back.size()), static_cast<ssize_t>(content.size()));
+  EXPECT_TRUE(inputs.older_than(now_us() - kHour, 10).empty());
+  EXPECT_EQ(inputs.older_than(now_us() + kHour, 10), std::vector<std::string>{sha256(content)});
+  inputs.drop(sha256(content));
+  EXPECT_FALSE(inputs.open(sha256(content)).valid());
+}
+
+TEST(InputStore, AnUploadThatIsLeftAloneLeavesNothing) {
+  const Folder folder;
+  InputStore inputs(folder.path());
+  {
+    Upload upload(inputs.spool());
+    upload.add("abc");
+  }
+  EXPECT_TRUE(fs::is_empty(inputs.spool()));
+  std::ofstream(inputs.spool() / "left.part") << "x";
+  const InputStore again(folder.path());
+  EXPECT_TRUE(fs::is_empty(inputs.spool()));
+}
+
+}  // namespace
+}  // namespace sheetform::server
