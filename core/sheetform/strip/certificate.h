@@ -10,12 +10,13 @@
 namespace sheetform {
 
 /// One broken promise. `check` is the judge's name of it: "S2" topology, "S3" disks without inner vertices,
-/// "S4" boundary, corners, sides, "S5" arches, "S6" isometry, "S7" injective layout, "S8" rulings, "S9" no degeneracy.
+/// "S4" boundary, corners, sides, "S5" arches, "S6" isometry, "S7" injective layout, "S8" rulings, "S9" no
+/// degeneracy.
 struct Defect {
   std::string check;
   std::string text;
-  int patch = -1;                       ///< -1: not of one patch
-  Vector3 place = Vector3::Zero();      ///< in 3D, units of the uploaded mesh
+  int patch = -1;                   ///< -1: not of one patch
+  Vector3 place = Vector3::Zero();  ///< in 3D, units of the uploaded mesh
 };
 
 /// The distance between input and result, measured both ways; lengths in units of the uploaded mesh.
@@ -23,8 +24,10 @@ struct DistanceReport {
   double input_to_result = 0, result_to_input = 0;  ///< largest distance found each way
   double mean = 0;                                  ///< mean of the two area-weighted one-way means
   double hausdorff() const { return input_to_result > result_to_input ? input_to_result : result_to_input; }
-  Vector3 worst_place = Vector3::Zero();            ///< where hausdorff() is attained (point on the side it starts from)
-  std::vector<double> patch_error;  ///< per patch: the largest distance found from it, or to it from the input
+  Vector3 worst_place =
+      Vector3::Zero();  ///< where hausdorff() is attained (point on the side it starts from)
+  std::vector<double>
+      patch_error;  ///< per patch: the largest distance found from it, or to it from the input
 };
 
 struct Certificate {
@@ -34,8 +37,8 @@ struct Certificate {
   bool strict() const { return defects.empty(); }
 };
 
-/// Defects of the structure and of the flat layout (S2 to S9). `input`: the welded input surface, its topology is
-/// compared when `compare_topology`. max_sides: 2..6. Cost O(n log n).
+/// Defects of the structure and of the flat layout (S2 to S9). `input`: the welded input surface, its
+/// topology is compared when `compare_topology`. max_sides: 2..6. Cost O(n log n).
 std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* input, int max_sides,
                                     double bbox_diagonal, double* isometry_error = nullptr);
 
@@ -45,11 +48,11 @@ std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_
 
 /// Two-sided distance by area-uniform samples (`samples` each way, deterministic), all vertices, and local
 /// refinement from the worst ones. tree: of the input's faces.
-DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree, const StripMesh& result,
-                                int samples, RunContext& context);
+DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,
+                                const StripMesh& result, int samples, RunContext& context);
 
 /// All of it.
-Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result, int max_sides,
-                    int samples, RunContext& context);
+Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,
+                    int max_sides, int samples, RunContext& context);
 
 }  // namespace sheetform

@@ -16,17 +16,17 @@ struct StripMesh {
   };
   struct Patch {
     std::vector<Triangle> triangles;
-    std::vector<int> boundary;     ///< indices into points, counter-clockwise, first not repeated
-    std::vector<int> boundary_vt;  ///< the uv of each place of `boundary`
-    std::vector<int> corners;      ///< ascending places in `boundary`
-    std::vector<int> arches;       ///< in the order of `boundary`
+    std::vector<int> boundary;                ///< indices into points, counter-clockwise, first not repeated
+    std::vector<int> boundary_vt;             ///< the uv of each place of `boundary`
+    std::vector<int> corners;                 ///< ascending places in `boundary`
+    std::vector<int> arches;                  ///< in the order of `boundary`
     std::vector<std::array<int, 2>> rulings;  ///< inner edges by point index, ordered along the sweep
-    int component = 0;             ///< of the input
-    int mirror_of = -1;            ///< patch id of the mirror image, -1 if none
+    int component = 0;                        ///< of the input
+    int mirror_of = -1;                       ///< patch id of the mirror image, -1 if none
   };
   struct Arch {
-    std::vector<int> vertices;    ///< indices into points from node to node; a closed loop repeats its first
-    std::array<int, 2> patches;   ///< {p, q}; q = -1 on the surface's border, p = q on a seam of p with itself
+    std::vector<int> vertices;   ///< indices into points from node to node; a closed loop repeats its first
+    std::array<int, 2> patches;  ///< {p, q}; q = -1 on the surface's border, p = q on a seam of p with itself
     bool crease = false;
   };
   std::vector<Vector3> points;
