@@ -221,7 +221,8 @@ class Jobs(ServerCase):
     def test_retry(self):
         job = self.server.wait(self.server.submit(name="refuse.obj")["jobID"])["jobID"]
         answer = self.server.request("POST", f"/api/v1/jobs/{job}/retry", b"")
-        self.assertEqual((answer.status, answer.json()["status"]), (200, "accepted"))
+        self.assertEqual(answer.status, 200)
+        self.assertIn(answer.json()["status"], ("accepted", "running"))  # a free slot takes it at once
         self.assertEqual(self.server.wait(job)["attempt"], 2)
         good = self.server.wait(self.server.submit()["jobID"])["jobID"]
         self.assert_problem(self.server.request("POST", f"/api/v1/jobs/{good}/retry", b""), 409, "conflict")

@@ -16,7 +16,7 @@ namespace sheetform {
 struct MorphSample {
   std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0
   std::array<double, 3> coefficient;
-  Vector3 target, normal;  ///< on the surface; unit normal there
+  Vector3 target = Vector3::Zero(), normal = Vector3::Zero();  ///< on the surface; unit normal there
   double weight = 0;       ///< area that it stands for; 0 = only measured, not fitted
   double slide = 1;        ///< share of MorphParams::slide that it is granted; 0 for points of the outline
   bool covers =
