@@ -17,8 +17,8 @@ struct MorphSample {
   std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0
   std::array<double, 3> coefficient;
   Vector3 target = Vector3::Zero(), normal = Vector3::Zero();  ///< on the surface; unit normal there
-  double weight = 0;       ///< area that it stands for; 0 = only measured, not fitted
-  double slide = 1;        ///< share of MorphParams::slide that it is granted; 0 for points of the outline
+  double weight = 0;  ///< area that it stands for; 0 = only measured, not fitted
+  double slide = 1;   ///< share of MorphParams::slide that it is granted; 0 for points of the outline
   bool covers =
       false;  ///< stands for the surface point: measured from there to the strips, not the other way
   Vector3 at(const std::vector<Vector3>& x) const {
