@@ -163,8 +163,10 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
 RunContext part_of(const RunContext& whole, double begin, double end) {
   RunContext part = whole;
   if (whole.progress)
-    part.progress = [&whole, begin, end](Stage stage, double fraction, const std::string& message) {
-      whole.progress(stage, begin + (end - begin) * fraction, message);
+    part.progress = [&whole, begin, end, reached = begin](Stage stage, double fraction,
+                                                          const std::string& message) mutable {
+      reached = std::max(reached, begin + (end - begin) * fraction);  // steps of a stage come again
+      whole.progress(stage, reached, message);
     };
   return part;
 }

@@ -1,0 +1,150 @@
+// What holds of every input: the same bytes again, any place, size and rotation, files that say what the
+// result is.
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/run.h"
+#include "sheetform/blueprint/result_reader.h"
+#include "sheetform/blueprint/result_writer.h"
+
+namespace sheetform {
+namespace {
+
+// All files, without the seconds that the run took.
+std::string bytes_of(Decomposition result) {
+  result.report.timings.clear();
+  std::string all;
+  for (const Artifact& a : write_artifacts(result)) all += a.name + '\n' + a.content;
+  return all;
+}
+
+TriangleSoup bumpy() {
+  return shapes::grid({40, 40}, [](double u, double v) {
+    return Vector3(u, v, 0.12 * std::sin(5 * u) * std::cos(4 * v) + 0.05 * std::sin(9 * u + 3 * v));
+  });
+}
+
+TEST(Guarantees, SameBytesForAnyNumberOfThreadsAndEveryTime) {
+  for (const TriangleSoup& soup : {shapes::sphere(14), bumpy()}) {
+    const std::string once = bytes_of(run(soup, with_e_max(0.03), 1));
+    EXPECT_EQ(once.size(), bytes_of(run(soup, with_e_max(0.03), 1)).size());
+    EXPECT_TRUE(once == bytes_of(run(soup, with_e_max(0.03), 1))) << "again";
+    EXPECT_TRUE(once == bytes_of(run(soup, with_e_max(0.03), 2))) << "two threads";
+    EXPECT_TRUE(once == bytes_of(run(soup, with_e_max(0.03), 3))) << "three threads";
+  }
+}
+
+TEST(Guarantees, SizeDoesNotMatter) {
+  // By powers of two every number scales exactly, so the result must be the same to the last bit.
+  const TriangleSoup soup = shapes::saddle(20, 1.0);
+  const Decomposition one = run(soup);
+  for (double scale : {std::ldexp(1.0, -30), std::ldexp(1.0, 30)}) {
+    TriangleSoup scaled = soup;
+    for (Vector3& p : scaled.points) p *= scale;
+    const Decomposition other = run(scaled);
+    expect_sound(scaled, other);
+    ASSERT_EQ(other.strips.points.size(), one.strips.points.size()) << scale;
+    for (std::size_t i = 0; i < one.strips.points.size(); ++i)
+      EXPECT_EQ(other.strips.points[i], one.strips.points[i] * scale);
+    for (std::size_t i = 0; i < one.strips.uvs.size(); ++i)
+      EXPECT_EQ(other.strips.uvs[i], one.strips.uvs[i] * scale);
+    EXPECT_EQ(other.report.hausdorff, one.report.hausdorff);
+  }
+}
+
+TEST(Guarantees, PlaceAndRotationKeepThePromises) {
+  TriangleSoup soup = shapes::torus(60, 30);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.234, Vector3(1, -2, 0.7).normalized()).toRotationMatrix();
+  for (Vector3& p : soup.points) p = 0.37 * (turn * p) + Vector3(1000, -2000, 500);
+  const Decomposition d = run(soup, with_e_max(0.03), 2);
+  expect_sound(soup, d);
+  EXPECT_TRUE(d.report.e_max_met);
+  EXPECT_LE(d.strips.patches.size(), 8u);
+}
+
+TEST(Guarantees, FilesSayWhatTheResultIs) {
+  const TriangleSoup soup = shapes::closed_cylinder(48, 12);
+  DecomposeParams params;
+  params.scale = 25;
+  const Decomposition d = run(soup, params);
+  std::string obj, json;
+  for (const Artifact& a : write_artifacts(d)) {
+    if (a.name == "ruled.obj") obj = a.content;
+    if (a.name == "layout.json") json = a.content;
+  }
+  const StoredResult stored = read_result(obj, json);
+  EXPECT_EQ(stored.scale, 25);
+  EXPECT_EQ(stored.e_max, 0.02);
+  EXPECT_EQ(stored.bbox_diagonal, d.bbox_diagonal);
+  EXPECT_EQ(stored.labels.size(), d.strips.patches.size());
+  EXPECT_EQ(stored.strips.points, d.strips.points) << "to the last digit";
+  const SurfaceMesh surface = build_surface_mesh(soup.points, soup.faces);
+  double isometry = 0;
+  const auto defects =
+      check_structure(stored.strips, &surface, stored.max_sides, stored.bbox_diagonal, &isometry);
+  EXPECT_TRUE(defects.empty()) << (defects.empty() ? "" : defects[0].check + " " + defects[0].text);
+  EXPECT_LT(isometry, 1e-9);
+  RunContext context;
+  const ClosestPointTree tree(soup.points, soup.faces);
+  EXPECT_LE(measure_distance(soup, tree, stored.strips, 20000, context).hausdorff(),
+            stored.e_max * stored.bbox_diagonal);
+  // Once more through the writer: the same structure.
+  Decomposition again = d;
+  again.strips = stored.strips;
+  for (const Artifact& a : write_artifacts(again))
+    if (a.name == "ruled.obj") {
+      EXPECT_EQ(std::count(a.content.begin(), a.content.end(), '\n'),
+                std::count(obj.begin(), obj.end(), '\n'));
+    }
+}
+
+TEST(Guarantees, ProgressGoesForwardThroughTheStages) {
+  InputMesh input;
+  input.soup = shapes::torus(40, 20);
+  RunContext context;
+  context.threads = 2;
+  double last = 0;
+  std::vector<Stage> stages;
+  context.progress = [&](Stage stage, double fraction, const std::string&) {
+    EXPECT_GE(fraction, last - 1e-12);
+    EXPECT_LE(fraction, 1);
+    last = fraction;
+    if (stages.empty() || stages.back() != stage) stages.push_back(stage);
+  };
+  decompose(input, with_e_max(0.05), nullptr, context);
+  EXPECT_TRUE(std::is_sorted(stages.begin(), stages.end()));
+  EXPECT_GE(stages.size(), 5u);
+  EXPECT_GT(last, 0.8);
+}
+
+TEST(Guarantees, ProgressGoesForwardOverSeveralComponents) {
+  InputMesh input;
+  for (int i = 0; i < 3; ++i) {
+    const TriangleSoup one = shapes::cylinder(24, 8, 0.5, 1);
+    const int shift = static_cast<int>(input.soup.points.size());
+    for (const Vector3& p : one.points) input.soup.points.push_back(p + Vector3(2 * i, 0, 0));
+    for (const auto& f : one.faces) input.soup.faces.push_back({f[0] + shift, f[1] + shift, f[2] + shift});
+  }
+  RunContext context;
+  double last = 0;
+  context.progress = [&](Stage, double fraction, const std::string&) {
+    EXPECT_GE(fraction, last - 1e-12);
+    last = fraction;
+  };
+  decompose(input, {}, nullptr, context);
+}
+
+TEST(Guarantees, ToleranceOutOfReachIsTold) {
+  // Finer than the facets allow at this size: the result is valid and says by how much and where it misses.
+  const TriangleSoup soup = shapes::sphere(4);
+  const Decomposition d = run(soup, with_e_max(2e-4));
+  expect_sound(soup, d);
+  if (d.report.e_max_met) return;
+  const bool told = std::any_of(d.report.notes.begin(), d.report.notes.end(),
+                                [](const std::string& n) { return n.find("not met") != std::string::npos; });
+  EXPECT_TRUE(told);
+  EXPECT_NEAR(d.report.worst_place.norm(), 1, 0.2);
+}
+
+}  // namespace
+}  // namespace sheetform
