@@ -1,5 +1,6 @@
 // A grid shape cut along some of its rows and columns, with rulings: what both morphs take.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "sheetform/morph/full_morph.h"
@@ -86,5 +87,23 @@ struct RuledScene {
     return net;
   }
 };
+
+inline const RuledScene& torus_sections() {
+  static const RuledScene scene(shapes::torus(48, 24),
+                                {{48, 24, true, true}, {0, 4, 12, 24, 30, 42}, {0, 5, 12, 18}});
+  return scene;
+}
+inline const RuledScene& saddle_parts() {
+  static const RuledScene scene(shapes::saddle(24, 0.8), {{24, 24}, {8}, {14}});
+  return scene;
+}
+inline const RuledScene& flat_parts() {
+  static const RuledScene scene(shapes::plane(16), {{16, 16}, {6}, {5, 10}});
+  return scene;
+}
+
+inline double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+inline double largest(const std::vector<double>& x) { return *std::max_element(x.begin(), x.end()); }
 
 }  // namespace sheetform
