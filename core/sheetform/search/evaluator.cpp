@@ -13,6 +13,9 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kChordSamples = 5;
 constexpr double kOutlineSlide = 0.0;
+// Stiffness of arches: the same bending costs the same at any sampling, and may be had the more cheaply the
+// sharper the tolerance.
+constexpr double kStiffness = 8e-3;
 constexpr int kNarrowFaces = 12;
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -45,6 +48,11 @@ std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, con
     if (every_node || angle > limit * kDegree) corners.push_back(i);
   }
   return corners;
+}
+
+double stiffness(const EvaluationParams& params) {
+  const double h2 = params.spacing * params.spacing;
+  return kStiffness * params.e_max * params.e_max / (h2 * h2);
 }
 
 // Which strip triangle covers each cell of the chart's raster.
@@ -308,7 +316,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
     if (it != cache_.end()) return ++hits_, it->second;
   }
   context_.checkpoint();
-  auto result = compute(layout, patch, nullptr);
+  auto result = compute(layout, patch, params_.ruling, nullptr);
   const std::lock_guard lock(mutex_);
   ++evaluations_;
   if (cache_.size() >= kCacheLimit) {  // what nobody holds can be computed again
@@ -332,15 +340,25 @@ std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(con
   return all;
 }
 
+std::shared_ptr<const PatchChart> LayoutEvaluator::chart(const PatchLayout& layout,
+                                                         const Patch& patch) const {
+  if (charts_ != nullptr) {
+    const std::lock_guard lock(charts_->mutex_);
+    const auto it = charts_->cache_.find(patch.key);
+    if (it != charts_->cache_.end() && it->second->chart) return it->second->chart;
+  }
+  return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, {}));
+}
+
 std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
-    const PatchLayout& layout, const Patch& patch, const std::function<bool(int, int)>* forbidden) const {
+    const PatchLayout& layout, const Patch& patch, RulingParams ruling,
+    const std::function<bool(int, int)>* forbidden) const {
   auto e = std::make_shared<PatchEvaluation>();
   if (patch.defect != TopologyDefect::kNone) {
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
     return e;
   }
-  auto chart = std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, {}));
-  e->chart = chart;
+  const auto chart = e->chart = this->chart(layout, patch);
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty())
@@ -352,7 +370,6 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
-  RulingParams ruling = params_.ruling;
   ruling.e_max = params_.e_max;
   ruling.min_height = 0.03 * params_.spacing;
   e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
@@ -389,6 +406,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   for (MorphSample& s : problem.samples)
     for (int& u : s.unknown) u = unknown[u];
   MorphParams morph_params = params_.morph;
+  morph_params.smooth = stiffness(params_);
   morph_params.stop_below = 0.7 * params_.e_max;
   const MorphResult result = morph(problem, morph_params);
   std::vector<Vector3> position(n);
@@ -404,30 +422,25 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   return e;
 }
 
-std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch_avoiding(
-    const PatchLayout& layout, int p, const std::function<bool(int, int)>& forbidden) const {
-  return compute(layout, layout.patches[p], &forbidden);
-}
-
 LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout,
                                         std::vector<std::shared_ptr<const PatchEvaluation>> patches,
-                                        int rounds) {
+                                        int rounds, const std::vector<MorphSample>& also) {
   std::vector<int> all(layout.patches.size());
   std::iota(all.begin(), all.end(), 0);
-  return morph_patches(layout, std::move(patches), all, nullptr, rounds);
+  return morph_patches(layout, std::move(patches), all, nullptr, rounds, also);
 }
 
 LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& layout, const std::vector<int>& region,
                                                const ArchPlaces& places, int rounds) {
   std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(layout.patches.size());
   for (int p : region) evaluations[p] = patch(layout, p);
-  return morph_patches(layout, std::move(evaluations), region, &places, rounds);
+  return morph_patches(layout, std::move(evaluations), region, &places, rounds, {});
 }
 
 LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
                                                 std::vector<std::shared_ptr<const PatchEvaluation>> patches,
                                                 const std::vector<int>& region, const ArchPlaces* places,
-                                                int rounds) {
+                                                int rounds, const std::vector<MorphSample>& also) {
   LayoutEvaluation out;
   out.patches = std::move(patches);
   out.patch_error.assign(layout.patches.size(), 0);
@@ -459,8 +472,10 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
       problem.samples.push_back(s);
     }
   }
+  problem.samples.insert(problem.samples.end(), also.begin(), also.end());
   out.arch_unknowns = unknowns.take();
   MorphParams morph_params = params_.morph;
+  morph_params.smooth = stiffness(params_);
   morph_params.rounds = rounds;
   morph_params.stop_below = 0.7 * params_.e_max;
   out.position = morph(problem, morph_params).position;

@@ -88,8 +88,10 @@ struct LayoutEvaluation {
 /// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch().
 class LayoutEvaluator {
  public:
-  LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context)
-      : surface_(surface), params_(params), context_(context) {}
+  /// `charts`: an evaluator of the same surface whose charts are taken where it has them; may be null.
+  LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context,
+                  LayoutEvaluator* charts = nullptr)
+      : surface_(surface), params_(params), context_(context), charts_(charts) {}
 
   const EvaluationParams& params() const { return params_; }
   std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
@@ -97,15 +99,21 @@ class LayoutEvaluator {
   void reject(const Patch& patch);
   /// All patches, on all threads.
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(const PatchLayout& layout);
-  /// The patch with some chords forbidden (polygon points); not cached.
-  std::shared_ptr<const PatchEvaluation> patch_avoiding(const PatchLayout& layout, int p,
-                                                        const std::function<bool(int, int)>& forbidden) const;
+  /// The patch with other preferences for its rulings, and some chords forbidden (polygon points; may be
+  /// null); not cached.
+  std::shared_ptr<const PatchEvaluation> patch_with(const PatchLayout& layout, int p,
+                                                    const RulingParams& ruling,
+                                                    const std::function<bool(int, int)>* forbidden) const {
+    return compute(layout, layout.patches[p], ruling, forbidden);
+  }
   /// Global morph of the patches that have rulings; per-patch errors. `rounds`: minimax reweightings.
   LayoutEvaluation layout(const PatchLayout& layout, int rounds) {
     return solve(layout, patches(layout), rounds);
   }
+  /// `also`: further samples, in terms of the unknowns of an earlier solution of the same layout.
   LayoutEvaluation solve(const PatchLayout& layout,
-                         std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds);
+                         std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds,
+                         const std::vector<MorphSample>& also = {});
   /// Morph of these patches alone; arches to other patches stay at `places` (on the surface when unknown).
   /// Patches that are not listed are not evaluated. Cost grows with the listed patches only.
   LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region,
@@ -116,13 +124,17 @@ class LayoutEvaluator {
  private:
   LayoutEvaluation morph_patches(const PatchLayout& layout,
                                  std::vector<std::shared_ptr<const PatchEvaluation>> patches,
-                                 const std::vector<int>& region, const ArchPlaces* places, int rounds);
+                                 const std::vector<int>& region, const ArchPlaces* places, int rounds,
+                                 const std::vector<MorphSample>& also);
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
+                                                 RulingParams ruling,
                                                  const std::function<bool(int, int)>* forbidden) const;
+  std::shared_ptr<const PatchChart> chart(const PatchLayout& layout, const Patch& patch) const;
   const SearchSurface& surface_;
   EvaluationParams params_;
   RunContext& context_;
-  std::mutex mutex_;
+  LayoutEvaluator* charts_;
+  mutable std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
   std::unordered_set<std::uint64_t> rejected_;
   int evaluations_ = 0, hits_ = 0;

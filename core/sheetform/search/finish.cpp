@@ -38,31 +38,10 @@ class ChordBook {
 
 bool has_strips(const PatchEvaluation& e) { return !e.rulings.triangles.empty() && e.rulings.found; }
 
-// Makes the chords of all patches distinct; true when a patch changed.
-bool make_distinct(LayoutEvaluator& evaluator, const PatchLayout& layout, LayoutEvaluation& e,
-                   std::vector<char>& hopeless) {
-  ChordBook book(e);
-  bool changed = false;
-  for (std::size_t p = 0; p < e.patches.size(); ++p) {
-    std::set<Pair> forbidden;
-    for (int attempt = 0; attempt < 6 && has_strips(*e.patches[p]); ++attempt) {
-      const std::set<Pair> bad = book.conflicts(*e.patches[p], e.unknowns[p]);
-      if (bad.empty()) break;
-      forbidden.insert(bad.begin(), bad.end());
-      const auto& ids = e.unknowns[p];
-      e.patches[p] = evaluator.patch_avoiding(layout, static_cast<int>(p), [&](int a, int b) {
-        return ids[a] == ids[b] || forbidden.count(ordered(ids[a], ids[b])) > 0;
-      });
-      changed = true;
-    }
-    if (!has_strips(*e.patches[p]) || !book.conflicts(*e.patches[p], e.unknowns[p]).empty()) {
-      hopeless[p] = 1;
-    } else {
-      book.take(*e.patches[p], e.unknowns[p]);
-    }
-  }
-  return changed;
-}
+// Fairer rulings follow the curvature and twist less, at the price of distance.
+constexpr int kHighestLevel = 2;
+// A patch alone has to leave this share of the tolerance to its neighbours.
+constexpr double kRoom = 0.9;
 
 StripSource::Patch strip_patch(const PatchLayout& layout, int p, const PatchEvaluation& e,
                                const std::vector<int>& unknowns) {
@@ -83,35 +62,102 @@ bool flat_layout_valid(const StripSource& source, const StripSource::Patch& patc
 
 }  // namespace
 
-FinishedLayout finish_layout(const SearchSurface& surface, const PathNetwork& network,
-                             const PatchLayout& layout, const EvaluationParams& evaluation, int rounds,
-                             RunContext& context) {
-  LayoutEvaluator evaluator(surface, evaluation, context);
-  LayoutEvaluation e = evaluator.layout(layout, rounds);
-  std::vector<char> hopeless(layout.patches.size(), 0);
-  if (make_distinct(evaluator, layout, e, hopeless))
-    e = evaluator.solve(layout, std::move(e.patches), rounds);
+FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, const PatchLayout& layout,
+                     const EvaluationParams& evaluation, LayoutEvaluator& charts, RunContext& context)
+    : surface_(surface),
+      network_(network),
+      layout_(layout),
+      evaluator_(surface, evaluation, context, &charts),
+      context_(context),
+      level_(layout.patches.size(), 0),
+      patches_(layout.patches.size()),
+      hopeless_(layout.patches.size(), 0) {
+  parallel_for(context_, static_cast<int>(patches_.size()), [&](int p) { choose_level(p, kHighestLevel); });
+}
+
+RulingParams FinalPass::ruling(int level) const {
+  RulingParams ruling = evaluator_.params().ruling;
+  for (; level > 0; --level) ruling.align_weight *= 4, ruling.twist_weight *= 5;
+  return ruling;
+}
+
+void FinalPass::choose_level(int p, int highest) {
+  const double enough = kRoom * evaluator_.params().e_max;
+  for (int level = highest; level >= 0; --level) {
+    patches_[p] = evaluator_.patch_with(layout_, p, ruling(level), nullptr);
+    level_[p] = level;
+    if (patches_[p]->viable() && patches_[p]->error <= enough) return;
+  }
+}
+
+bool FinalPass::plainer(const std::vector<int>& patches) {
+  bool changed = false;
+  for (int p : patches) {
+    if (level_[p] == 0) continue;
+    choose_level(p, level_[p] - 1);
+    changed = true;
+  }
+  if (changed) distinct_ = false;
+  return changed;
+}
+
+void FinalPass::make_distinct() {
+  // Ids of unknowns and the chords of arches do not depend on the rulings.
+  const LayoutEvaluation e = evaluator_.solve(layout_, patches_, 0);
+  ChordBook book(e);
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    hopeless_[p] = 0;
+    std::set<Pair> forbidden;
+    const auto& ids = e.unknowns[p];
+    const std::function<bool(int, int)> avoid = [&](int a, int b) {
+      return ids[a] == ids[b] || forbidden.count(ordered(ids[a], ids[b])) > 0;
+    };
+    for (int attempt = 0; attempt < 6 && has_strips(*patches_[p]); ++attempt) {
+      const std::set<Pair> bad = book.conflicts(*patches_[p], ids);
+      if (bad.empty()) break;
+      forbidden.insert(bad.begin(), bad.end());
+      patches_[p] = evaluator_.patch_with(layout_, static_cast<int>(p), ruling(level_[p]), &avoid);
+    }
+    if (!has_strips(*patches_[p]) || !book.conflicts(*patches_[p], ids).empty()) {
+      hopeless_[p] = 1;
+    } else {
+      book.take(*patches_[p], ids);
+    }
+  }
+  distinct_ = true;
+}
+
+void FinalPass::draw_to(const std::vector<FarPlace>& far) {
+  double weight = 0;
+  std::size_t count = 0;
+  for (const Evaluation& e : patches_)
+    for (const MorphSample& s : e->samples) weight += s.weight, count += s.weight > 0;
+  for (const FarPlace& place : far) {
+    MorphSample s;
+    s.unknown = place.triangle;
+    for (int k = 0; k < 3; ++k) s.coefficient[k] = place.barycentric[k];
+    s.target = place.on_input;
+    s.weight = weight / static_cast<double>(std::max<std::size_t>(count, 1));
+    s.slide = 0;
+    drawn_.push_back(s);
+  }
+}
+
+FinishedLayout FinalPass::solve(int rounds) {
+  if (!distinct_) make_distinct();
+  const LayoutEvaluation e = evaluator_.solve(layout_, patches_, rounds, drawn_);
   FinishedLayout out;
   out.source.points = e.position;
-  out.patch_error = e.patch_error;
-  for (int p = 0; p < static_cast<int>(layout.patches.size()); ++p) {
-    out.source.patches.push_back(strip_patch(layout, p, *e.patches[p], e.unknowns[p]));
-    PatchVerdict verdict = PatchVerdict::kViable;
-    if (hopeless[p]) {
-      verdict = e.patches[p]->viable() ? PatchVerdict::kNoRulings : e.patches[p]->verdict;
-    } else if (!flat_layout_valid(out.source, out.source.patches.back())) {
-      verdict = PatchVerdict::kOverlap;
-    }
-    if (verdict == PatchVerdict::kViable) continue;
-    out.failing.push_back(p);
-    out.why.push_back(verdict);
+  for (int p = 0; p < static_cast<int>(layout_.patches.size()); ++p) {
+    out.source.patches.push_back(strip_patch(layout_, p, *patches_[p], e.unknowns[p]));
+    if (hopeless_[p] || !flat_layout_valid(out.source, out.source.patches.back())) out.failing.push_back(p);
   }
-  for (std::size_t a = 0; a < layout.arches.size(); ++a) {
-    const Arch& arch = layout.arches[a];
+  for (std::size_t a = 0; a < layout_.arches.size(); ++a) {
+    const Arch& arch = layout_.arches[a];
     int left = arch.left, right = arch.right;
     if (left < 0) std::swap(left, right);
     out.source.arches.push_back(
-        {e.arch_unknowns[a], {left, right}, network.kinds[arch.path] == PathKind::kCrease});
+        {e.arch_unknowns[a], {left, right}, network_.kinds[arch.path] == PathKind::kCrease});
   }
   return out;
 }

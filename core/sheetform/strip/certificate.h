@@ -1,5 +1,6 @@
 // The certificate of a result: every promise recomputed from the result itself (design.md section 2).
 #pragma once
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,14 @@ struct Defect {
 };
 
 /// The distance between input and result, measured both ways; lengths in units of the uploaded mesh.
+/// A point of the strips and the point of the input that belongs to it, far apart.
+struct FarPlace {
+  std::array<int, 3> triangle;  ///< StripMesh points
+  Vector3 barycentric;
+  Vector3 on_input;
+  double distance;
+};
+
 struct DistanceReport {
   double input_to_result = 0, result_to_input = 0;  ///< largest distance found each way
   double mean = 0;                                  ///< mean of the two area-weighted one-way means
@@ -27,7 +36,8 @@ struct DistanceReport {
   Vector3 worst_place =
       Vector3::Zero();  ///< where hausdorff() is attained (point on the side it starts from)
   std::vector<double>
-      patch_error;  ///< per patch: the largest distance found from it, or to it from the input
+      patch_error;            ///< per patch: the largest distance found from it, or to it from the input
+  std::vector<FarPlace> far;  ///< per strip triangle and direction the worst place beyond the limit asked for
 };
 
 struct Certificate {
@@ -47,9 +57,10 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
 std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_diagonal);
 
 /// Two-sided distance by area-uniform samples (`samples` each way, deterministic), all vertices, and local
-/// refinement from the worst ones. tree: of the input's faces.
+/// refinement from the worst ones. tree: of the input's faces. Places beyond far_limit are listed.
 DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,
-                                const StripMesh& result, int samples, RunContext& context);
+                                const StripMesh& result, int samples, RunContext& context,
+                                double far_limit = std::numeric_limits<double>::infinity());
 
 /// All of it.
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,

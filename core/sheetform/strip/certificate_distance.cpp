@@ -91,10 +91,13 @@ class OneWay {
   OneWay(const Surface& from, const ClosestPointTree& tree, int to_faces, const RunContext& context)
       : from_face(from.faces.size(), 0),
         to_face(to_faces, 0),
+        farthest(from.faces.size(), Vector3::Zero()),
+        farthest_hit(from.faces.size()),
+        to_point(to_faces, Vector3::Zero()),
+        to_hit(to_faces),
         from_(from),
         tree_(tree),
-        context_(context),
-        farthest_(from.faces.size(), Vector3::Zero()) {}
+        context_(context) {}
 
   // Measures from each sample and gives the mean distance.
   double measure(const std::vector<Sample>& samples) {
@@ -131,12 +134,17 @@ class OneWay {
   double max = 0;
   Vector3 worst = Vector3::Zero();
   std::vector<double> from_face, to_face;  ///< largest distance found from and to each face
+  std::vector<Vector3> farthest;           ///< of each face, where from_face is attained
+  std::vector<ClosestPoint> farthest_hit;
+  std::vector<Vector3> to_point;  ///< where to_face is attained
+  std::vector<ClosestPoint> to_hit;
 
  private:
   double keep(const Vector3& point, int face, const ClosestPoint& hit) {
     const double d = std::sqrt(hit.squared_distance);
-    if (d > from_face[face]) from_face[face] = d, farthest_[face] = point;
-    if (hit.face >= 0) to_face[hit.face] = std::max(to_face[hit.face], d);
+    if (d > from_face[face]) from_face[face] = d, farthest[face] = point, farthest_hit[face] = hit;
+    if (hit.face >= 0 && d > to_face[hit.face])
+      to_face[hit.face] = d, to_point[hit.face] = point, to_hit[hit.face] = hit;
     if (d > max) max = d, worst = point;
     return d;
   }
@@ -158,7 +166,7 @@ class OneWay {
       for (bool better = true; better;) {
         better = false;
         for (const Vector3& way : {along, Vector3(-along), across, Vector3(-across)}) {
-          const Eigen::Vector2d w = inverse * (sides.transpose() * (farthest_[face] + step * way - a));
+          const Eigen::Vector2d w = inverse * (sides.transpose() * (farthest[face] + step * way - a));
           const Vector3 trial = clamped_point(a, b, c, {1 - w.sum(), w[0], w[1]});
           const double before = from_face[face];
           better = keep(trial, face, tree_.closest(trial)) > before * (1 + 1e-9) || better;
@@ -169,17 +177,21 @@ class OneWay {
   const Surface& from_;
   const ClosestPointTree& tree_;
   const RunContext& context_;
-  std::vector<Vector3> farthest_;  ///< of each face, where from_face is attained
 };
 
-struct OneWayResult {
-  double max, mean;
-  Vector3 worst;
-  std::vector<double> from_face, to_face;
-};
+Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>& t, const Vector3& p) {
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << points[t[1]] - points[t[0]], points[t[2]] - points[t[0]];
+  const Eigen::Matrix2d gram = sides.transpose() * sides;
+  if (!(gram.determinant() > 0)) return {1, 0, 0};
+  const Eigen::Vector2d w = gram.inverse() * (sides.transpose() * (p - points[t[0]]));
+  return {1 - w.sum(), w[0], w[1]};
+}
 
-OneWayResult measure_one_way(const Surface& from, const ClosestPointTree& tree, int to_faces, int samples,
-                             bool midpoints, double diagonal, const RunContext& context) {
+// Measures, and gives the mean distance too.
+std::pair<OneWay, double> measure_one_way(const Surface& from, const ClosestPointTree& tree, int to_faces,
+                                          int samples, bool midpoints, double diagonal,
+                                          const RunContext& context) {
   OneWay way(from, tree, to_faces, context);
   const double mean = way.measure(area_samples(from, samples));
   if (midpoints) way.measure(midpoint_samples(from));
@@ -187,13 +199,13 @@ OneWayResult measure_one_way(const Surface& from, const ClosestPointTree& tree, 
   double area = 0;
   for (std::size_t f = 0; f < from.faces.size(); ++f) area += from.area(static_cast<int>(f));
   way.climb_from_the_top(samples, std::sqrt(area / std::max(1, samples)), kFinestStep * diagonal);
-  return {way.max, mean, way.worst, std::move(way.from_face), std::move(way.to_face)};
+  return {std::move(way), mean};
 }
 
 }  // namespace
 
 DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,
-                                const StripMesh& result, int samples, RunContext& context) {
+                                const StripMesh& result, int samples, RunContext& context, double far_limit) {
   std::vector<std::array<int, 3>> faces;
   std::vector<int> patch_of;
   for (std::size_t p = 0; p < result.patches.size(); ++p)
@@ -212,14 +224,19 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
   const ClosestPointTree result_tree(result.points, faces);
   context.checkpoint();
   const int in_faces = static_cast<int>(input.faces.size()), out_faces = static_cast<int>(faces.size());
-  const OneWayResult to = measure_one_way(in, result_tree, out_faces, samples, false, diagonal, context);
-  const OneWayResult back = measure_one_way(out, tree, in_faces, samples, true, diagonal, context);
+  const auto [to, to_mean] = measure_one_way(in, result_tree, out_faces, samples, false, diagonal, context);
+  const auto [back, back_mean] = measure_one_way(out, tree, in_faces, samples, true, diagonal, context);
   report.input_to_result = to.max, report.result_to_input = back.max;
-  report.mean = (to.mean + back.mean) / 2;
+  report.mean = (to_mean + back_mean) / 2;
   report.worst_place = to.max >= back.max ? to.worst : back.worst;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     double& error = report.patch_error[patch_of[f]];
     error = std::max({error, to.to_face[f], back.from_face[f]});
+    if (to.to_face[f] > far_limit)
+      report.far.push_back({faces[f], to.to_hit[f].barycentric, to.to_point[f], to.to_face[f]});
+    if (back.from_face[f] > far_limit)
+      report.far.push_back({faces[f], barycentric(result.points, faces[f], back.farthest[f]),
+                            back.farthest_hit[f].point, back.from_face[f]});
   }
   return report;
 }
