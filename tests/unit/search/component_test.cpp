@@ -1,0 +1,106 @@
+#include "sheetform/search/component.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "sheetform/search/finish.h"
+#include "sheetform/strip/certificate.h"
+#include "unit/search/drawn_surface.h"
+
+namespace sheetform {
+namespace {
+
+ComponentInput input_of(const TriangleSoup& soup) {
+  ComponentInput input;
+  input.prepared.mesh = Searched::normalised(soup);
+  input.prepared.crease_edge = detect_creases(input.prepared.mesh, 40);
+  input.reference = {input.prepared.mesh.points, input.prepared.mesh.faces};
+  return input;
+}
+
+ComponentParams params_of(double e_max) {
+  ComponentParams params;
+  params.evaluation.e_max = e_max;
+  params.seeds = 60;
+  params.improvements = 4;
+  return params;
+}
+
+std::string text_of(const std::vector<Defect>& defects) {
+  std::string text;
+  for (const Defect& d : defects)
+    text += d.check + " patch " + std::to_string(d.patch) + ": " + d.text + "\n";
+  return text;
+}
+
+TEST(DecomposeComponent, KeepsItsPromises) {
+  for (const TriangleSoup& soup : {shapes::torus(48, 24), shapes::saddle(24, 0.8)}) {
+    const ComponentInput input = input_of(soup);
+    RunContext context;
+    const ComponentResult result = decompose_component(input, params_of(0.03), context);
+    const auto defects = check_structure(result.strips, &input.prepared.mesh, 6, 1);
+    EXPECT_TRUE(defects.empty()) << text_of(defects);
+    EXPECT_LE(result.distance, 0.03);
+    const ClosestPointTree tree(input.reference.points, input.reference.faces);
+    EXPECT_LE(measure_distance(input.reference, tree, result.strips, 20000, context).hausdorff(),
+              0.03 * 1.02);
+    for (const char* stage : {"field", "trace", "insert", "remove", "final"})
+      EXPECT_TRUE(result.seconds.count(stage)) << stage;
+  }
+}
+
+TEST(FinishLayout, ChordsAreEdgesOfTheirOwn) {
+  Searched s(shapes::torus(48, 24), 0.03);
+  s.search->insert();
+  s.search->remove_paths();
+  EvaluationParams fine = s.search->evaluator().params();
+  fine.spacing = 0.015;
+  const FinishedLayout finished =
+      finish_layout(s.bed.surface, s.search->network().network(), s.search->layout(), fine, 4, s.bed.context);
+  std::set<std::pair<int, int>> taken;
+  for (const auto& arch : finished.source.arches)
+    for (std::size_t i = 0; i + 1 < arch.points.size(); ++i)
+      EXPECT_TRUE(taken.insert(std::minmax(arch.points[i], arch.points[i + 1])).second);
+  const std::set<int> failing(finished.failing.begin(), finished.failing.end());
+  for (int p = 0; p < static_cast<int>(finished.source.patches.size()); ++p) {
+    if (failing.count(p)) continue;
+    const auto& patch = finished.source.patches[p];
+    EXPECT_EQ(patch.triangles.size() + 2, patch.outline.size());
+    EXPECT_EQ(patch.rulings.size() + 3, patch.outline.size());
+    for (const auto& r : patch.rulings)
+      EXPECT_TRUE(taken.insert(std::minmax(patch.outline[r[0]], patch.outline[r[1]])).second)
+          << "three faces would meet there";
+  }
+}
+
+TEST(FinishLayout, OutlinesAreTheArchesInOrder) {
+  Searched s(shapes::torus(48, 24), 0.03);
+  s.search->insert();
+  const PatchLayout& layout = s.search->layout();
+  const FinishedLayout finished = finish_layout(s.bed.surface, s.search->network().network(), layout,
+                                                s.search->evaluator().params(), 2, s.bed.context);
+  for (std::size_t p = 0; p < layout.patches.size(); ++p) {
+    std::vector<int> outline;
+    for (const ArchUse& use : layout.patches[p].boundary) {
+      std::vector<int> points = finished.source.arches[use.arch].points;
+      if (!use.forward) std::reverse(points.begin(), points.end());
+      outline.insert(outline.end(), points.begin(), points.end() - 1);
+    }
+    EXPECT_EQ(finished.source.patches[p].outline, outline);
+  }
+}
+
+TEST(DecomposeComponent, GivesTheSameTwice) {
+  const ComponentInput input = input_of(shapes::sphere(12));
+  RunContext one, two;
+  two.threads = 2;
+  const ComponentResult a = decompose_component(input, params_of(0.04), one),
+                        b = decompose_component(input, params_of(0.04), two);
+  EXPECT_EQ(a.strips.points, b.strips.points);
+  EXPECT_EQ(a.strips.uvs, b.strips.uvs);
+  EXPECT_EQ(a.distance, b.distance);
+}
+
+}  // namespace
+}  // namespace sheetform

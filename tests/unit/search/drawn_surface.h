@@ -1,0 +1,94 @@
+// Drawings and shapes as the search sees them.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "sheetform/base/error.h"
+#include "sheetform/mesh/creases.h"
+#include "sheetform/search/layout_search.h"
+#include "support/drawing.h"
+#include "support/shapes.h"
+
+namespace sheetform {
+
+/// A mesh as a SearchSurface; it is its own input. Keep it where it is: the surface points into it.
+struct SearchBed {
+  RunContext context;
+  ClosestPointTree tree;
+  SearchSurface surface;
+
+  explicit SearchBed(SurfaceMesh mesh) : tree(mesh.points, mesh.faces) {
+    surface.versions.assign(mesh.points.size(), 0);
+    const std::vector<char> smooth(mesh.edges.size(), 0);
+    surface.guide = surface_guide(mesh, principal_curvature(mesh, smooth, {}, context));
+    surface.mesh = std::move(mesh);
+    surface.input = &tree;
+  }
+  SearchBed(const SearchBed&) = delete;
+  SearchBed& operator=(const SearchBed&) = delete;
+};
+
+/// A drawing rolled to a tube around z, cells as wide as high.
+inline shapes::Canvas rolled(int columns, int steps = 6, double radius = 0.3) {
+  shapes::Canvas canvas;
+  canvas.steps = steps;
+  canvas.roll = true;
+  canvas.place = [=](double x, double y) {
+    const double a = 2 * shapes::kPi * x / columns;
+    return Vector3(radius * std::cos(a), radius * std::sin(a), 2 * shapes::kPi * radius * y / columns);
+  };
+  return canvas;
+}
+
+/// A drawing bent to a part of a cylinder around the vertical axis: developable. `arc`: radians for one cell.
+inline shapes::Canvas bent(double arc, int steps = 6, double cell = 0.2) {
+  shapes::Canvas canvas;
+  canvas.steps = steps;
+  canvas.place = [=](double x, double y) {
+    const double radius = cell / arc;
+    return Vector3(radius * std::cos(arc * x), radius * std::sin(arc * x), cell * y);
+  };
+  return canvas;
+}
+
+/// Evaluation parameters for shapes of about the size 1.
+inline EvaluationParams evaluation_params(double e_max) {
+  EvaluationParams params;
+  params.e_max = e_max;
+  params.spacing = 0.05;
+  return params;
+}
+
+/// Everything before the search, for a closed or open shape.
+struct Searched {
+  SearchBed bed;
+  std::vector<char> crease;
+  CrossField field;
+  TracingGraph graph;
+  std::unique_ptr<LayoutSearch> search;
+
+  Searched(const TriangleSoup& soup, double e_max, EvaluationParams evaluation = {})
+      : bed(normalised(soup)), crease(detect_creases(bed.surface.mesh, 40)) {
+    const SurfaceMesh& mesh = bed.surface.mesh;
+    const CurvatureField curvature = principal_curvature(mesh, crease, {}, bed.context);
+    field = cross_field(mesh, crease, curvature, nullptr, {}, bed.context);
+    graph = tracing_graph(mesh, crease, field, {}, bed.context);
+    TraceParams trace;
+    trace.seeds = 60;
+    PathNetwork network = bare_network(mesh);
+    add_creases(mesh, crease, network);
+    SearchParams params;
+    params.evaluation = evaluation;
+    params.evaluation.e_max = e_max;
+    search = std::make_unique<LayoutSearch>(bed.surface, std::move(network), graph,
+                                            trace_candidates(mesh, graph, field, trace, bed.context), params,
+                                            bed.context);
+  }
+  static SurfaceMesh normalised(TriangleSoup soup) {
+    const double diagonal = bounding_box_diagonal(soup.points);
+    for (Vector3& p : soup.points) p /= diagonal;
+    return build_surface_mesh(std::move(soup.points), std::move(soup.faces));
+  }
+};
+
+}  // namespace sheetform

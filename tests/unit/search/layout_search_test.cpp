@@ -1,0 +1,148 @@
+#include "sheetform/search/layout_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sheetform/base/error.h"
+#include "unit/search/drawn_surface.h"
+
+namespace sheetform {
+namespace {
+
+int interior_length_edges(const PathNetwork& network, const SurfaceMesh& mesh) {
+  int n = 0;
+  for (int e = 0; e < mesh.edge_count(); ++e) n += network.used(e) && !mesh.edges[e].border();
+  return n;
+}
+
+void expect_viable(LayoutSearch& search, double e_max) {
+  const PatchLayout& layout = search.layout();
+  for (const Patch& p : layout.patches) EXPECT_EQ(p.defect, TopologyDefect::kNone);
+  const LayoutEvaluation& e = search.evaluation();
+  EXPECT_EQ(e.failing, 0);
+  EXPECT_LE(e.max_error, e_max);
+  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), 6u);
+}
+
+// No network vertex inside of the surface with one edge only.
+void expect_no_loose_ends(const LayoutSearch& search, const SurfaceMesh& mesh) {
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    EXPECT_NE(network_degree(mesh, search.network().network(), v), 1) << v;
+}
+
+struct Case {
+  const char* name;
+  TriangleSoup soup;
+  double e_max;
+  int most;  // patches that the finished search may need
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class WholeSearch : public ::testing::TestWithParam<Case> {};
+TEST_P(WholeSearch, InsertsUntilViableThenRemovesAndStaysSo) {
+  const Case& c = GetParam();
+  Searched s(c.soup, c.e_max);
+  LayoutSearch& search = *s.search;
+  search.insert();
+  expect_viable(search, c.e_max);
+  expect_no_loose_ends(search, s.bed.surface.mesh);
+  const std::size_t inserted = search.layout().patches.size();
+  const int edges = interior_length_edges(search.network().network(), s.bed.surface.mesh);
+  search.remove_paths();
+  expect_viable(search, c.e_max);
+  const std::size_t after_paths = search.layout().patches.size();
+  EXPECT_LE(after_paths, inserted);
+  EXPECT_LE(interior_length_edges(search.network().network(), s.bed.surface.mesh), edges);
+  search.remove_arches();
+  expect_viable(search, c.e_max);
+  expect_no_loose_ends(search, s.bed.surface.mesh);
+  const std::size_t after_arches = search.layout().patches.size();
+  EXPECT_LE(after_arches, after_paths);
+  EXPECT_LE(static_cast<int>(after_arches), c.most);
+  const double objective = search.objective();
+  const int improved = search.improve(5, 1);
+  EXPECT_EQ(search.objective() < objective, improved > 0);
+  EXPECT_LE(search.objective(), objective) << "what does not help is taken back";
+  expect_viable(search, c.e_max);
+}
+INSTANTIATE_TEST_SUITE_P(Shapes, WholeSearch,
+                         ::testing::Values(Case{"torus", shapes::torus(60, 30), 0.03, 8},
+                                           Case{"sphere", shapes::sphere(16), 0.04, 8},
+                                           Case{"saddle", shapes::saddle(30, 0.8), 0.02, 4},
+                                           Case{"tube", shapes::cylinder(48, 24), 0.02, 1},
+                                           Case{"closed_cylinder", shapes::closed_cylinder(48, 16), 0.02,
+                                                3}));
+
+TEST(LayoutSearch, CreasesAreNeverRemoved) {
+  Searched s(shapes::closed_cylinder(48, 16), 0.02);
+  s.search->insert();
+  s.search->remove_paths();
+  s.search->remove_arches();
+  const PathNetwork& network = s.search->network().network();
+  for (int e = 0; e < s.bed.surface.mesh.edge_count(); ++e) {
+    if (!s.crease[e]) continue;
+    ASSERT_TRUE(network.used(e));
+    EXPECT_EQ(network.kinds[network.edge_path[e]], PathKind::kCrease);
+  }
+}
+
+TEST(LayoutSearch, ObjectiveIsPartsPlusALittleForLength) {
+  Searched s(shapes::torus(48, 24), 0.03);
+  s.search->insert();
+  double length = 0;
+  for (const Arch& a : s.search->layout().arches)
+    if (a.left >= 0 && a.right >= 0) length += a.length;
+  const double parts = static_cast<double>(s.search->layout().patches.size());
+  EXPECT_GT(s.search->objective(), parts);
+  EXPECT_LT(s.search->objective(), parts + length);
+}
+
+TEST(LayoutSearch, SplitGivesMorePatches) {
+  Searched s(shapes::torus(48, 24), 0.05);
+  s.search->insert();
+  const std::size_t before = s.search->layout().patches.size();
+  EXPECT_EQ(s.search->split({0, 1}, PatchVerdict::kError), 2);
+  EXPECT_EQ(s.search->layout().patches.size(), before + 2);
+}
+
+TEST(LayoutSearch, SmoothingMovesVerticesOnTheSurfaceOnly) {
+  Searched s(shapes::torus(48, 24), 0.05);
+  s.search->insert();
+  const double diagonal = 1, step = mean_edge_length(s.bed.surface.mesh);
+  s.search->smooth();
+  for (const Vector3& p : s.bed.surface.mesh.points)
+    EXPECT_LT(std::sqrt(s.bed.tree.closest(p).squared_distance), 0.05 * step * diagonal);
+  const SurfaceMesh& mesh = s.bed.surface.mesh;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    EXPECT_GT(mesh.face_normal_raw(f).dot(s.bed.surface.guide.normal[f]), 0);
+}
+
+TEST(LayoutSearch, IsTheSameForAnyNumberOfThreads) {
+  std::vector<std::vector<int>> networks;
+  for (int threads : {1, 3}) {
+    Searched s(shapes::sphere(12), 0.04);
+    s.bed.context.threads = threads;
+    s.search->insert();
+    s.search->remove_paths();
+    s.search->remove_arches();
+    networks.push_back(s.search->network().network().edge_path);
+  }
+  EXPECT_EQ(networks[0], networks[1]);
+}
+
+TEST(LayoutSearch, StopsWhenCancelled) {
+  Searched s(shapes::sphere(16), 0.02);
+  std::atomic<bool> cancelled{true};
+  s.bed.context.cancelled = &cancelled;
+  try {
+    s.search->insert();
+    FAIL() << "went on";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kCancelled);
+  }
+}
+
+}  // namespace
+}  // namespace sheetform
