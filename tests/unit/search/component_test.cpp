@@ -50,14 +50,15 @@ TEST(DecomposeComponent, KeepsItsPromises) {
   }
 }
 
-TEST(FinishLayout, ChordsAreEdgesOfTheirOwn) {
+TEST(FinalPass, ChordsAreEdgesOfTheirOwn) {
   Searched s(shapes::torus(48, 24), 0.03);
   s.search->insert();
   s.search->remove_paths();
   EvaluationParams fine = s.search->evaluator().params();
   fine.spacing = 0.015;
-  const FinishedLayout finished =
-      finish_layout(s.bed.surface, s.search->network().network(), s.search->layout(), fine, 4, s.bed.context);
+  FinalPass pass(s.bed.surface, s.search->network().network(), s.search->layout(), fine,
+                 s.search->evaluator(), s.bed.context);
+  const FinishedLayout finished = pass.solve(4);
   std::set<std::pair<int, int>> taken;
   for (const auto& arch : finished.source.arches)
     for (std::size_t i = 0; i + 1 < arch.points.size(); ++i)
@@ -74,12 +75,13 @@ TEST(FinishLayout, ChordsAreEdgesOfTheirOwn) {
   }
 }
 
-TEST(FinishLayout, OutlinesAreTheArchesInOrder) {
+TEST(FinalPass, OutlinesAreTheArchesInOrder) {
   Searched s(shapes::torus(48, 24), 0.03);
   s.search->insert();
   const PatchLayout& layout = s.search->layout();
-  const FinishedLayout finished = finish_layout(s.bed.surface, s.search->network().network(), layout,
-                                                s.search->evaluator().params(), 2, s.bed.context);
+  FinalPass pass(s.bed.surface, s.search->network().network(), layout, s.search->evaluator().params(),
+                 s.search->evaluator(), s.bed.context);
+  const FinishedLayout finished = pass.solve(2);
   for (std::size_t p = 0; p < layout.patches.size(); ++p) {
     std::vector<int> outline;
     for (const ArchUse& use : layout.patches[p].boundary) {

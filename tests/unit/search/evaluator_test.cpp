@@ -285,8 +285,10 @@ TEST(LayoutEvaluator, ForbiddenChordsAreAvoided) {
   Tube t;
   const auto free = t.evaluator.patch(t.layout, 0);
   const auto banned = free->rulings.chords[free->rulings.chords.size() / 2];
-  const auto other = t.evaluator.patch_avoiding(
-      t.layout, 0, [&](int a, int b) { return std::minmax(a, b) == std::minmax(banned.a, banned.b); });
+  const std::function<bool(int, int)> forbidden = [&](int a, int b) {
+    return std::minmax(a, b) == std::minmax(banned.a, banned.b);
+  };
+  const auto other = t.evaluator.patch_with(t.layout, 0, t.evaluator.params().ruling, &forbidden);
   for (const auto& c : other->rulings.chords)
     EXPECT_NE(std::minmax(c.a, c.b), std::minmax(banned.a, banned.b));
   EXPECT_EQ(t.evaluator.patch(t.layout, 0), free) << "what is remembered is the free one";
