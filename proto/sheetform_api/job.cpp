@@ -27,6 +27,8 @@ std::vector<Link> links_of(const StatusInfo& s, const std::string& root) {
   if (s.state == JobState::kSuccessful) {
     links.push_back({self + "/results", kResultsRel, "application/json", "The files of the result"});
     links.push_back({self + "/results?f=zip", "enclosure", "application/zip", "All files in one archive"});
+    links.push_back(
+        {self + "/exports", "exports", "application/json", "Files for other machines and sheets"});
   }
   if (s.state == JobState::kFailed)
     links.push_back({self + "/results", kExceptionsRel, "application/problem+json", "What went wrong"});

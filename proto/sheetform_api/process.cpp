@@ -53,9 +53,6 @@ OrderedJson groups() {
 const std::vector<OutputDefinition>& output_definitions() {
   static const std::vector<OutputDefinition> list{
       {"layout.svg", "image/svg+xml", "The parts to cut, in millimetres (SVG)"},
-      {"layout.pdf", "application/pdf", "The parts to cut, in millimetres (PDF)"},
-      {"layout.dxf", "image/vnd.dxf", "The parts to cut, in millimetres (DXF)"},
-      {"layout.fold", "application/json", "The flat layout (FOLD)"},
       {"layout.json", "application/json", "Structure and report"},
       {"ruled.obj", "model/obj", "The bent sheets in 3D, with the flat layout as texture coordinates"}};
   return list;

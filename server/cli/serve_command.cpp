@@ -11,6 +11,7 @@
 #include "server/http/api_server.h"
 #include "server/jobs/worker_probe.h"
 #include "server/mapping/errors.h"
+#include "server/mapping/exports.h"
 
 namespace sheetform::server {
 namespace {
@@ -114,6 +115,14 @@ AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& ad
   // Without a name for the outside, any Host is taken there: a token protects, and names cannot be guessed.
   if (local || line.has("--public-url")) auth.hosts = hosts_of(addresses, line.get("--public-url"));
   return auth;
+}
+
+std::string profiles_of(const ParsedLine& line) {
+  const std::string path = line.get("--profiles");
+  if (path.empty()) return {};
+  const std::string json = read_input_file(path, 1 << 20);
+  check_profiles(json);
+  return json;
 }
 
 ApiOptions api_options(const ParsedLine& line, const std::vector<ListenAddress>& addresses,
@@ -246,6 +255,7 @@ CommandSpec serve_spec() {
       {"--data", "DIR", "Folder of the store; made when it is not there. Default ./sheetform-data.", ""},
       {"--public-url", "URL", "How the server is reached from outside, e.g. https://sheets.example.org.", ""},
       {"--web-dir", "DIR", "Serve the page from this folder instead of the one that is built in.", ""},
+      {"--profiles", "FILE", "Profiles of your machines for exports (colours, layers, widths), as JSON.", ""},
       {"--slots", "N", "Jobs that run at once. Default: one less than there are cores.", ""},
       {"--threads", "N", "Threads of one job. Default: the cores divided among the slots.", ""},
       {"--job-seconds", "N", "A job that takes longer fails. Default 900.", ""},
@@ -286,6 +296,7 @@ int serve_command(const ParsedLine& line) {
   options.limits = limits_of(line);
   options.sandbox = !line.has("--no-sandbox");
   options.worker = line.get("--worker", options.worker);
+  options.profiles = profiles_of(line);
   const std::chrono::seconds grace(small_number(line, "--drain", 25, 0, 86400));
   const api::Json sandbox = probed_sandbox(line);
   ApiOptions api = api_options(line, addresses, options.data);

@@ -21,17 +21,22 @@ struct ApiParts {
   std::function<std::string()> connection_metrics;  ///< lines about the HTTP server
   std::function<bool()> alive;                      ///< the accept loop turns
   api::Json sandbox;                                ///< what the sandbox can do on this machine
-  std::atomic<int> streams{0}, waiters{0};
+  std::atomic<int> streams{0}, waiters{0}, exports{0};
 };
 
 void add_service_routes(Router& router, ApiParts& parts);
 void add_process_routes(Router& router, ApiParts& parts);
 void add_job_routes(Router& router, ApiParts& parts);
 void add_result_routes(Router& router, ApiParts& parts);
+void add_export_routes(Router& router, ApiParts& parts);
 void add_event_routes(Router& router, ApiParts& parts);
 
 /// The status document of a job, with its weak tag.
 Answer status_answer(const ApiParts& parts, int status, const JobRecord& job);
+/// The job of the address if its result can be had; a failed job answers with its own problem.
+JobRecord successful_job(const Exchange& x, const ApiParts& parts);
+/// Name of the uploaded mesh without its ending, for files made from it.
+std::string base_name(const JobRecord& job);
 /// The address of a path for headers that want a whole one.
 std::string absolute(const ApiParts& parts, const RequestHead& head, const std::string& path);
 

@@ -82,6 +82,7 @@ ApiServer::ApiServer(JobService& service, ApiOptions options)
   add_process_routes(router_, parts_);
   add_job_routes(router_, parts_);
   add_result_routes(router_, parts_);
+  add_export_routes(router_, parts_);
   add_event_routes(router_, parts_);
 }
 

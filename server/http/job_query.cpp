@@ -64,26 +64,25 @@ std::string filter_mark(const Exchange& x) {
   return to_hex(sha256(all)).substr(0, 8);
 }
 
+// A cursor: direction and filters, created, id. Letters keep the two directions apart.
+constexpr char kOlder = 'o', kNewer = 'n';
+
 void read_cursor(const Exchange& x, const std::string& text, JobFilter& filter) {
   const std::size_t first = text.find('_'), second = text.find('_', first + 1);
   std::int64_t created = 0;
-  if (first == std::string::npos || second == std::string::npos || text.substr(0, first) != filter_mark(x) ||
-      !is_uuid(text.substr(second + 1)) ||
+  const bool known = !text.empty() && (text[0] == kOlder || text[0] == kNewer);
+  if (!known || first == std::string::npos || second == std::string::npos ||
+      text.substr(1, first - 1) != filter_mark(x) || !is_uuid(text.substr(second + 1)) ||
       std::from_chars(text.data() + first + 1, text.data() + second, created).ptr != text.data() + second)
-    refuse("cursor", "follow the next link of the page before; do not change its filters");
-  filter.after = {created, text.substr(second + 1)};
+    refuse("cursor", "follow the links next and prev of a page; do not change its filters");
+  (text[0] == kOlder ? filter.after : filter.before) = {created, text.substr(second + 1)};
 }
 
-std::string percent_encoded(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-        std::string_view("-._~,:").find(c) != std::string_view::npos)
-      out += c;
-    else
-      out += "%" + to_hex(std::string_view(&c, 1));
-  }
-  return out;
+std::string page_query(const Exchange& x, char direction, const JobRecord& from) {
+  std::string query;
+  for (const auto& [name, value] : x.query)
+    if (name != "cursor") query += percent_encode(name) + "=" + percent_encode(value) + "&";
+  return query + "cursor=" + direction + filter_mark(x) + "_" + std::to_string(from.created) + "_" + from.id;
 }
 
 }  // namespace
@@ -110,11 +109,10 @@ JobFilter job_filter(const Exchange& x) {
   return filter;
 }
 
-std::string next_page_query(const Exchange& x, const JobRecord& last) {
-  std::string query;
-  for (const auto& [name, value] : x.query)
-    if (name != "cursor") query += percent_encoded(name) + "=" + percent_encoded(value) + "&";
-  return query + "cursor=" + filter_mark(x) + "_" + std::to_string(last.created) + "_" + last.id;
+std::string next_page_query(const Exchange& x, const JobRecord& last) { return page_query(x, kOlder, last); }
+
+std::string previous_page_query(const Exchange& x, const JobRecord& first) {
+  return page_query(x, kNewer, first);
 }
 
 }  // namespace sheetform::server

@@ -7,7 +7,9 @@ namespace sheetform::server {
 
 /// Reads every filter, the limit and the cursor. Throws Refusal kInvalidQueryParameter.
 JobFilter job_filter(const Exchange& exchange);
-/// The query of the next page: the same filters, from after `last`.
+/// The query of the next page (older jobs): the same filters, from after `last`.
 std::string next_page_query(const Exchange& exchange, const JobRecord& last);
+/// The query of the page before (newer jobs): the same filters, up to before `first`.
+std::string previous_page_query(const Exchange& exchange, const JobRecord& first);
 
 }  // namespace sheetform::server

@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 
+#include "server/base/identity.h"
+
 namespace sheetform::server {
 namespace {
 
@@ -211,6 +213,17 @@ bool percent_decode(std::string_view text, bool form, std::string& decoded) {
     }
   }
   return true;
+}
+
+std::string percent_encode(std::string_view text, std::string_view kept) {
+  std::string out;
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || kept.find(c) != std::string_view::npos)
+      out += c;
+    else
+      out += "%" + to_hex(std::string_view(&c, 1));
+  }
+  return out;
 }
 
 bool parse_query(std::string_view text, Query& query) {

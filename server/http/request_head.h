@@ -49,6 +49,8 @@ std::size_t find_head_end(std::string_view bytes, std::size_t search_from = 0);
 
 /// Decodes %XX, and '+' as a space when `form`. False for a broken escape.
 bool percent_decode(std::string_view text, bool form, std::string& decoded);
+/// The reverse: everything but letters, digits and the characters of `kept` as %XX.
+std::string percent_encode(std::string_view text, std::string_view kept = "-._~,:");
 /// Splits at '&' and '='. False for broken escapes, control characters, and more than 64 pairs.
 bool parse_query(std::string_view text, Query& query);
 

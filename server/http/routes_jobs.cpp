@@ -10,17 +10,28 @@ JobRecord job_of(const Exchange& x, const ApiParts& parts) {
   return parts.service.job(x.captures.at(0), x.visible());
 }
 
+/// Cuts the page to its length; whether there were more jobs in the direction of reading.
+bool cut_page(std::vector<JobRecord>& jobs, std::size_t limit, bool backwards) {
+  if (jobs.size() <= limit) return false;
+  jobs.erase(backwards ? jobs.begin() : jobs.end() - 1);
+  return true;
+}
+
 Answer list_jobs(Exchange& x, const ApiParts& parts) {
   JobFilter filter = job_filter(x);
-  const auto limit = static_cast<std::size_t>(filter.limit++);  // one more tells whether there is a next page
+  const auto limit =
+      static_cast<std::size_t>(filter.limit++);  // one more tells whether there is another page
   std::vector<JobRecord> jobs = parts.service.store().list(filter);
+  const bool backwards = filter.before.has_value(), more = cut_page(jobs, limit, backwards);
   const std::string self = std::string(kApiRoot) + "/jobs";
   std::vector<api::Link> links{{self + (x.head.query.empty() ? "" : "?" + x.head.query), "self",
                                 "application/json", "This page of jobs"}};
-  if (jobs.size() > limit) {
-    jobs.resize(limit);
+  // Behind the reader are the jobs of the page that led here.
+  if (!jobs.empty() && (backwards || more))
     links.push_back({self + "?" + next_page_query(x, jobs.back()), "next", "application/json", "Older jobs"});
-  }
+  if (!jobs.empty() && (backwards ? more : filter.after.has_value()))
+    links.push_back(
+        {self + "?" + previous_page_query(x, jobs.front()), "prev", "application/json", "Newer jobs"});
   api::Json list = api::Json::array();
   for (const JobRecord& job : jobs) list.push_back(api::to_json(parts.service.status(job), kApiRoot));
   return json_answer(200, api::Json{{"jobs", list}, {"links", api::to_json(links)}});

@@ -6,7 +6,7 @@
 #include "server/base/digest.h"
 #include "server/base/identity.h"
 #include "server/http/api_parts.h"
-#include "server/http/conditional.h"
+#include "server/http/download.h"
 #include "server/http/zip_writer.h"
 #include "sheetform_api/process.h"
 
@@ -14,98 +14,6 @@ namespace sheetform::server {
 namespace {
 
 using api::ProblemType;
-
-/// A file to be sent: its content by place, and what is known about it.
-struct Download {
-  std::string filename, media_type, digest;
-  std::uint64_t bytes = 0;
-  std::int64_t modified = 0;  ///< seconds since 1970
-  std::function<std::string(std::uint64_t, std::uint64_t)> read;
-  bool inline_wanted = false;
-};
-
-/// RFC 6266: a plain name for all, and the whole name in UTF-8.
-std::string disposition(const Download& d) {
-  std::string plain, encoded;
-  for (const char c : d.filename) {
-    const bool safe = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-                      std::string_view("-_.").find(c) != std::string_view::npos;
-    plain += safe || c == ' ' ? c : '_';
-    if (safe)
-      encoded += c;
-    else
-      encoded += "%" + to_hex(std::string_view(&c, 1));
-  }
-  const std::string kind = d.inline_wanted ? "inline" : "attachment";
-  return kind + "; filename=\"" + plain + "\"; filename*=UTF-8''" + encoded;
-}
-
-bool may_be_shown(const std::string& type) {
-  return type == "image/svg+xml" || type == "application/pdf" || type == "application/json";
-}
-
-void describe(Answer& answer, const Download& d, const std::string& tag) {
-  answer.with("ETag", tag)
-      .with("Last-Modified", http_date(d.modified))
-      .with("Accept-Ranges", "bytes")
-      .with("Cache-Control", "private, max-age=31536000, immutable")
-      .with("Repr-Digest", "sha-256=:" + to_base64(d.digest) + ":");
-}
-
-void add_content(Answer& answer, const Download& d, const ByteRange& range) {
-  answer.media_type = d.media_type;
-  answer.pieces = std::make_shared<PiecewiseContent>();
-  answer.pieces->length = d.bytes == 0 ? 0 : range.length();
-  answer.pieces->read = [read = d.read, first = range.first](std::uint64_t offset, std::uint64_t most) {
-    return read(first + offset, most);
-  };
-  answer.with("Content-Disposition", disposition(d));
-  // A drawing that is shown must not run anything, whatever it holds.
-  answer.with("Content-Security-Policy", "sandbox; default-src 'none'; style-src 'unsafe-inline'");
-}
-
-Answer send(const Exchange& x, const Download& d) {
-  const std::string tag = "\"sha256-" + to_hex(d.digest) + "\"";
-  Answer answer;
-  switch (check_preconditions(x.head, tag, d.modified)) {
-    case Precondition::kFailed:
-      return problem_answer(ProblemType::kPreconditionFailed, "the file is not the one named in If-Match");
-    case Precondition::kNotModified:
-      answer.status = 304;
-      describe(answer, d, tag);
-      return answer;
-    case Precondition::kGo:
-      break;
-  }
-  const RangeChoice choice = choose_range(effective_range(x.head, tag), d.bytes);
-  if (choice.kind == RangeChoice::Kind::kUnsatisfiable)
-    return problem_answer(ProblemType::kRangeNotSatisfiable,
-                          "the file has " + std::to_string(d.bytes) + " bytes")
-        .with("Content-Range", "bytes */" + std::to_string(d.bytes));
-  describe(answer, d, tag);
-  const bool part = choice.kind == RangeChoice::Kind::kPart;
-  const ByteRange range = part ? choice.range : ByteRange{0, d.bytes == 0 ? 0 : d.bytes - 1};
-  answer.status = part ? 206 : 200;
-  if (part)
-    answer.with("Content-Range", "bytes " + std::to_string(range.first) + "-" + std::to_string(range.last) +
-                                     "/" + std::to_string(d.bytes));
-  add_content(answer, d, range);
-  return answer;
-}
-
-/// The job if its result can be had; a failed job answers with its own problem.
-JobRecord successful_job(const Exchange& x, const ApiParts& parts) {
-  JobRecord job = parts.service.job(x.captures.at(0), x.visible());
-  if (job.state == JobState::kSuccessful) return job;
-  if (job.state == JobState::kFailed && !job.problem.empty()) {
-    api::Problem problem = api::problem_from_json(api::Json::parse(job.problem));
-    problem.instance = std::string(kApiRoot) + "/jobs/" + job.id;
-    throw Refusal(problem);
-  }
-  throw Refusal(
-      ProblemType::kResultNotReady, std::string("the job is ") + api::to_string(job.state),
-      api::is_terminal(job.state) ? "run it again: POST .../retry" : "wait until its status is successful");
-}
 
 /// The outputs that `outputs=a,b` names, all without it.
 std::vector<StoredOutput> wanted_outputs(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
@@ -148,11 +56,6 @@ std::uint32_t crc_of(const StoredOutput& o,
   return crc;
 }
 
-std::string base_name(const JobRecord& job) {
-  const std::string name = job.input_name.substr(0, job.input_name.rfind('.'));
-  return name.empty() ? "sheetform" : name;
-}
-
 Answer send_zip(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
   std::vector<ZipMember> members;
   Sha256 digest;
@@ -170,7 +73,7 @@ Answer send_zip(const Exchange& x, const ApiParts& parts, const JobRecord& job) 
              modified,
              [archive](std::uint64_t offset, std::uint64_t most) { return archive->read(offset, most); },
              false};
-  Answer answer = send(x, d);
+  Answer answer = send_download(x, d);
   // The digest names the content, it is not that of the archive's bytes.
   std::erase_if(answer.headers, [](const auto& h) { return h.first == "Repr-Digest"; });
   return answer;
@@ -190,7 +93,9 @@ Answer list_results(Exchange& x, const ApiParts& parts) {
   std::vector<api::ResultFile> files;
   for (const StoredOutput& o : wanted_outputs(x, parts, job))
     files.push_back({o.name, o.media_type, api::output_title(o.name), o.bytes, to_hex(o.digest)});
-  return json_answer(200, api::results_document(files, std::string(kApiRoot) + "/jobs/" + job.id));
+  const std::string self = std::string(kApiRoot) + "/jobs/" + job.id;
+  return json_answer(200, api::results_document(files, self))
+      .with("Link", "<" + self + "/exports>; rel=\"exports\"; type=\"application/json\"");
 }
 
 Answer get_result(Exchange& x, const ApiParts& parts) {
@@ -198,9 +103,9 @@ Answer get_result(Exchange& x, const ApiParts& parts) {
   const JobRecord job = successful_job(x, parts);
   for (const StoredOutput& o : parts.service.store().outputs(job.seq)) {
     if (o.name != x.captures.at(1)) continue;
-    const bool shown = x.parameter("inline").value_or("0") == "1" && may_be_shown(o.media_type);
-    return send(x, {o.name, o.media_type, o.digest, static_cast<std::uint64_t>(o.bytes),
-                    job.finished.value_or(0) / kSecond, blob_reader(parts, o), shown});
+    const bool shown = wants_inline(x);
+    return send_download(x, {o.name, o.media_type, o.digest, static_cast<std::uint64_t>(o.bytes),
+                             job.finished.value_or(0) / kSecond, blob_reader(parts, o), shown});
   }
   throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + x.captures[1].substr(0, 60),
                 "see .../results for the names");
@@ -219,7 +124,7 @@ Answer get_input(Exchange& x, const ApiParts& parts) {
   const std::int64_t bytes = parts.service.store().input_bytes(job.input);
   if (!file->valid() || bytes < 0)
     throw Refusal(ProblemType::kNoSuchOutput, "the uploaded mesh is not kept any more");
-  return send(
+  return send_download(
       x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream", job.input,
           static_cast<std::uint64_t>(bytes), job.created / kSecond,
           [file](std::uint64_t offset, std::uint64_t most) { return read_at(file->get(), offset, most); },
@@ -227,6 +132,24 @@ Answer get_input(Exchange& x, const ApiParts& parts) {
 }
 
 }  // namespace
+
+JobRecord successful_job(const Exchange& x, const ApiParts& parts) {
+  JobRecord job = parts.service.job(x.captures.at(0), x.visible());
+  if (job.state == JobState::kSuccessful) return job;
+  if (job.state == JobState::kFailed && !job.problem.empty()) {
+    api::Problem problem = api::problem_from_json(api::Json::parse(job.problem));
+    problem.instance = std::string(kApiRoot) + "/jobs/" + job.id;
+    throw Refusal(problem);
+  }
+  throw Refusal(
+      ProblemType::kResultNotReady, std::string("the job is ") + api::to_string(job.state),
+      api::is_terminal(job.state) ? "run it again: POST .../retry" : "wait until its status is successful");
+}
+
+std::string base_name(const JobRecord& job) {
+  const std::string name = job.input_name.substr(0, job.input_name.rfind('.'));
+  return name.empty() ? "sheetform" : name;
+}
 
 void add_result_routes(Router& router, ApiParts& parts) {
   const std::string job = std::string(kApiRoot) + "/jobs/{jobID}";

@@ -52,6 +52,8 @@ Answer limits(const ApiParts& parts) {
                                     {"jobSeconds", l.job_seconds},
                                     {"jobMemoryBytes", l.job_memory},
                                     {"resultBytes", l.result_bytes},
+                                    {"exports", l.exports},
+                                    {"exportSeconds", l.export_seconds},
                                     {"eventStreams", l.event_streams},
                                     {"waitSeconds", l.wait_seconds},
                                     {"submitsPerMinute", l.submits_per_minute},

@@ -118,6 +118,7 @@ JobService::JobService(ServiceOptions options)
       blobs_(options_.data / "blobs.db"),
       inputs_(options_.data),
       inspector_(options_.limits, inspections_at_once(), options_.sandbox, options_.worker),
+      exporter_(options_.limits, blobs_, options_.sandbox, options_.worker),
       pool_(parts_of(jobs_, blobs_, inputs_, bus_, options_, content_)) {
   const int recovered = jobs_.recover();
   if (recovered > 0) log_info("jobs that were running wait again", {{"jobs", recovered}});
@@ -221,6 +222,10 @@ Submitted JobService::accept(Upload& upload, const Submission& s, const std::str
   bus_.publish(job.id);
   pool_.wake();
   return {*accepted, false};
+}
+
+std::shared_ptr<const ExportedFile> JobService::export_result(const JobRecord& job, const ExportWish& wish) {
+  return exporter_.make(jobs_.outputs(job.seq), to_json(wish, options_.profiles));
 }
 
 JobRecord JobService::job(const std::string& id, std::optional<std::int64_t> principal) const {

@@ -4,9 +4,12 @@
 #include <set>
 
 #include "server/jobs/event_bus.h"
+#include "server/jobs/exporter.h"
 #include "server/jobs/inspector.h"
+#include "server/jobs/refusal.h"
 #include "server/jobs/service_limits.h"
 #include "server/jobs/slot_pool.h"
+#include "server/mapping/exports.h"
 
 namespace sheetform::server {
 
@@ -15,17 +18,7 @@ struct ServiceOptions {
   ServiceLimits limits;
   bool sandbox = true;
   std::string worker = "/proc/self/exe";  ///< program of the jobs' processes
-};
-
-/// A request that cannot be granted; becomes a problem response.
-class Refusal : public std::runtime_error {
- public:
-  explicit Refusal(api::Problem problem) : std::runtime_error(problem.detail), problem_(std::move(problem)) {}
-  Refusal(api::ProblemType type, std::string detail, std::string fix = {}, std::string where = {});
-  const api::Problem& problem() const { return problem_; }
-
- private:
-  api::Problem problem_;
+  std::string profiles;                   ///< the operator's own profiles of exports, JSON; empty: none
 };
 
 /// An upload with everything that decides about it.
@@ -76,6 +69,9 @@ class JobService {
   /// Waits until the job's revision differs, or (until_end) until it has ended; at most `limit`.
   JobRecord wait_for_change(JobRecord job, bool until_end, std::chrono::seconds limit);
 
+  /// A file made from the result of a successful job, without computing it again. Throws Refusal.
+  std::shared_ptr<const ExportedFile> export_result(const JobRecord& job, const ExportWish& wish);
+
   const JobStore& store() const { return jobs_; }
   JobStore& store() { return jobs_; }
   const BlobStore& blobs() const { return blobs_; }
@@ -83,6 +79,7 @@ class JobService {
   EventBus& bus() { return bus_; }
   const EventBus& bus() const { return bus_; }
   const ServiceLimits& limits() const { return options_.limits; }
+  const std::string& profiles() const { return options_.profiles; }
   int running() const { return pool_.running(); }
   std::uint64_t free_bytes() const;
 
@@ -105,6 +102,7 @@ class JobService {
   InputStore inputs_;
   EventBus bus_;
   Inspector inspector_;
+  Exporter exporter_;
   std::shared_mutex content_;
   SlotPool pool_;
   std::atomic<bool> draining_{false};

@@ -22,6 +22,8 @@ struct ServiceLimits {
   std::uint64_t result_bytes = std::uint64_t{256} << 20;  ///< all files together
   int result_files = 64;
   int inspect_seconds = 60;  ///< reading a mesh at upload
+  int export_seconds = 60;   ///< making a file from a stored result
+  int exports = 16;          ///< such files at once, those that wait for a processor included
   int crashes = 3;           ///< starts of a job that kills its process
   int errors = 5;            ///< starts of a job that the disk refuses
   int interruptions = 20;

@@ -16,6 +16,7 @@
 #include "server/jobs/sandbox.h"
 #include "server/jobs/worker_protocol.h"
 #include "server/mapping/errors.h"
+#include "server/mapping/exports.h"
 #include "server/mapping/run.h"
 
 namespace sheetform::server {
@@ -70,16 +71,20 @@ class MappedInput {
   std::size_t size_ = 0;
 };
 
-void write_below(const OutputFile& file) {
-  const Descriptor d(::openat(kFolderDescriptor, file.name.c_str(),
-                              O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!d.valid()) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
+void write_all(int fd, const OutputFile& file) {
   for (std::size_t at = 0; at < file.content.size();) {
-    const ssize_t put = ::write(d.get(), file.content.data() + at, file.content.size() - at);
+    const ssize_t put = ::write(fd, file.content.data() + at, file.content.size() - at);
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
     at += static_cast<std::size_t>(put);
   }
+}
+
+void write_below(const OutputFile& file) {
+  const Descriptor d(::openat(kFolderDescriptor, file.name.c_str(),
+                              O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!d.valid()) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
+  write_all(d.get(), file);
 }
 
 /// Progress as messages, at most twenty a second, but always when the stage changes.
@@ -126,6 +131,19 @@ void inspect_job(const WorkerRequest& request) {
   send(m);
 }
 
+/// The input holds ruled.obj and layout.json, one after the other.
+void export_job(const WorkerRequest& request) {
+  const MappedInput input(kInputDescriptor);
+  const std::size_t split =
+      std::min(request.parameters.at("objBytes").get<std::size_t>(), input.bytes().size());
+  const OutputFile file =
+      run_export(input.bytes().substr(0, split), input.bytes().substr(split), request.parameters);
+  write_all(kFolderDescriptor, file);
+  WorkerMessage m;
+  m.exported = WorkerFile{file.name, file.media_type};
+  send(m);
+}
+
 void probe_job(const SandboxState& state) {
   WorkerMessage m;
   m.probe = probe_sandbox(kFolderDescriptor);
@@ -142,6 +160,8 @@ void run_request(const WorkerRequest& request) {
       return decompose_job(request);
     case WorkerMode::kInspect:
       return inspect_job(request);
+    case WorkerMode::kExport:
+      return export_job(request);
     case WorkerMode::kProbe:
       return probe_job(state);
   }

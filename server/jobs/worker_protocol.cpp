@@ -8,7 +8,7 @@ namespace {
 
 using api::Json;
 
-constexpr std::array<const char*, 3> kModes{"decompose", "inspect", "probe"};
+constexpr std::array<const char*, 4> kModes{"decompose", "inspect", "probe", "export"};
 constexpr std::size_t kTextBytes = 400;
 constexpr std::size_t kNameBytes = 64;
 
@@ -48,6 +48,21 @@ std::optional<WorkerMessage::Result> result_from(const Json& value) {
   result.notes = value.value("notes", Json::array());
   if (!result.report.is_object() || !result.notes.is_array()) return std::nullopt;
   return result;
+}
+
+/// Made of labels, which have capitals.
+bool is_export_name(std::string_view name) {
+  if (name.empty() || name.size() > kNameBytes || name[0] == '.' || name[0] == '-') return false;
+  for (const char c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') return false;
+  return true;
+}
+
+std::optional<WorkerFile> exported_from(const Json& value) {
+  if (!value.is_object()) return std::nullopt;
+  WorkerFile file{text_member(value, "name"), text_member(value, "media")};
+  if (!is_export_name(file.name) || !is_media_type(file.media_type)) return std::nullopt;
+  return file;
 }
 
 Json to_json(const WorkerMessage::Result& result) {
@@ -93,6 +108,7 @@ std::string to_line(const WorkerMessage& m) {
                         {"message", m.progress->message.substr(0, kTextBytes)}};
   if (m.problem) line["problem"] = api::to_json(*m.problem);
   if (m.result) line["result"] = to_json(*m.result);
+  if (m.exported) line["exported"] = {{"name", m.exported->name}, {"media", m.exported->media_type}};
   if (!m.mesh.is_null()) line["mesh"] = m.mesh;
   if (!m.probe.is_null()) line["probe"] = m.probe;
   return api::dump(line) + "\n";
@@ -110,9 +126,11 @@ std::optional<WorkerMessage> message_from_line(std::string_view line) {
   if (name == "progress") m.progress = progress_from(*member);
   if (name == "problem" && member->is_object()) m.problem = api::problem_from_json(*member);
   if (name == "result") m.result = result_from(*member);
+  if (name == "exported") m.exported = exported_from(*member);
   if (name == "mesh" && member->is_object()) m.mesh = *member;
   if (name == "probe" && member->is_object()) m.probe = *member;
-  const bool any = m.progress || m.problem || m.result || !m.mesh.is_null() || !m.probe.is_null();
+  const bool any =
+      m.progress || m.problem || m.result || m.exported || !m.mesh.is_null() || !m.probe.is_null();
   return any ? std::optional(std::move(m)) : std::nullopt;
 }
 

@@ -11,14 +11,15 @@
 namespace sheetform::server {
 
 // Descriptors of the child. 0 reads nothing, 1 and 2 go to the log of the attempt.
-inline constexpr int kInputDescriptor = 3;    ///< the mesh, read-only
-inline constexpr int kFolderDescriptor = 4;   ///< the only folder that the child may write into
+inline constexpr int kInputDescriptor = 3;  ///< the mesh, read-only
+inline constexpr int kFolderDescriptor =
+    4;  ///< the only folder (kExport: file) that the child may write into
 inline constexpr int kStatusDescriptor = 5;   ///< lines of JSON from the child
 inline constexpr int kRequestDescriptor = 6;  ///< one JSON text for the child
 
 inline constexpr std::size_t kStatusLineBytes = 64 * 1024;
 
-enum class WorkerMode { kDecompose, kInspect, kProbe };
+enum class WorkerMode { kDecompose, kInspect, kProbe, kExport };
 
 struct WorkerRequest {
   WorkerMode mode = WorkerMode::kDecompose;
@@ -50,8 +51,9 @@ struct WorkerMessage {
   std::optional<Progress> progress;
   std::optional<api::Problem> problem;
   std::optional<Result> result;
-  api::Json mesh;   ///< answer of kInspect
-  api::Json probe;  ///< answer of kProbe
+  std::optional<WorkerFile> exported;  ///< answer of kExport: what the file is
+  api::Json mesh;                      ///< answer of kInspect
+  api::Json probe;                     ///< answer of kProbe
 };
 std::string to_line(const WorkerMessage& message);
 /// None when the line is no such message: wrong shape, strange names, numbers out of range.

@@ -79,8 +79,8 @@ struct JobFilter {
   std::optional<std::int64_t> principal;
   std::optional<Microseconds> created_from, created_to;
   std::optional<double> min_seconds, max_seconds;
-  std::optional<std::pair<Microseconds, std::string>>
-      after;  ///< created and id of the last job of the page before
+  /// Created and id of a job: those older than it (after), or those newer, the nearest ones (before).
+  std::optional<std::pair<Microseconds, std::string>> after, before;
   int limit = 10;
 };
 

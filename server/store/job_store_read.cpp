@@ -1,4 +1,6 @@
 // Questions about jobs. Each is one short read, so that no reader keeps the log of changes from being reset.
+#include <algorithm>
+
 #include "server/store/job_store_state.h"
 
 namespace sheetform::server {
@@ -51,6 +53,9 @@ Where where_of(const JobFilter& f) {
   if (f.max_seconds) where.add(seconds + " <= ?", *f.max_seconds);
   if (f.after)
     where.add("(created < ? OR (created = ? AND id < ?))", f.after->first, f.after->first, f.after->second);
+  if (f.before)
+    where.add("(created > ? OR (created = ? AND id > ?))", f.before->first, f.before->first,
+              f.before->second);
   return where;
 }
 
@@ -63,11 +68,13 @@ std::optional<JobRecord> JobStore::find(const std::string& id) const {
 std::vector<JobRecord> JobStore::list(const JobFilter& filter) const {
   return state_->file.read([&](SQLite::Database& db) {
     const Where where = where_of(filter);
-    SQLite::Statement select(db, std::string("SELECT ") + kJobColumns + " FROM job" + where.text() +
-                                     " ORDER BY created DESC, id DESC LIMIT ?");
+    const char* order =
+        filter.before ? " ORDER BY created, id LIMIT ?" : " ORDER BY created DESC, id DESC LIMIT ?";
+    SQLite::Statement select(db, std::string("SELECT ") + kJobColumns + " FROM job" + where.text() + order);
     select.bind(where.bind(select), filter.limit);
     std::vector<JobRecord> jobs;
     while (select.executeStep()) jobs.push_back(read_job(select));
+    if (filter.before) std::reverse(jobs.begin(), jobs.end());
     return jobs;
   });
 }

@@ -158,18 +158,26 @@ class Jobs(ServerCase):
         self.assert_problem(answer, 405, "method-not-allowed")
         self.assertEqual(answer.headers["Allow"], "GET, HEAD")
 
+    def pages(self, path, rel):
+        """The page at `path` and those that its links of this kind lead to."""
+        found = []
+        while path:
+            found.append(self.server.get(path).json())
+            path = next((link["href"] for link in found[-1]["links"] if link["rel"] == rel), None)
+        return found
+
     def test_list_filters_and_pages(self):
         tag = f"list-{time.time()}"
         ids = [self.server.submit(tag=tag)["jobID"] for _ in range(7)]
         for job_id in ids:
             self.server.wait(job_id)
-        path, found = f"/api/v1/jobs?limit=3&tag={tag}", []
-        while path:
-            page = self.server.get(path).json()
-            self.assertLessEqual(len(page["jobs"]), 3)
-            found += [job["jobID"] for job in page["jobs"]]
-            path = next((link["href"] for link in page["links"] if link["rel"] == "next"), None)
-        self.assertEqual(found, ids[::-1])
+        pages = self.pages(f"/api/v1/jobs?limit=3&tag={tag}", "next")
+        self.assertEqual([len(p["jobs"]) for p in pages], [3, 3, 1])
+        self.assertEqual([job["jobID"] for page in pages for job in page["jobs"]], ids[::-1])
+        self.assertFalse(any(link["rel"] == "prev" for link in pages[0]["links"]))
+        back = self.pages(next(link["href"] for link in pages[-1]["links"] if link["rel"] == "self"), "prev")
+        self.assertEqual([[job["jobID"] for job in p["jobs"]] for p in back], [[job["jobID"] for job in p["jobs"]] for p in pages[::-1]])
+        self.assertEqual(len(self.pages(next(l["href"] for l in back[-1]["links"] if l["rel"] == "self"), "next")), 3)
         count = lambda query: len(self.server.get(f"/api/v1/jobs?tag={tag}&limit=100&{query}").json()["jobs"])
         self.assertEqual(count("status=successful"), 7)
         self.assertEqual(count("status=failed,running"), 0)

@@ -4,6 +4,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/exports.h"
+#include "sheetform/blueprint/materials.h"
 #include "sheetform/blueprint/text.h"
 
 namespace sheetform {
@@ -28,13 +29,19 @@ double number(const std::string& name, const std::string& value) {
   return x;
 }
 
+double number_between(const std::string& name, const std::string& value, double low, double high) {
+  const double x = number(name, value);
+  if (!(x >= low && x <= high)) refuse(name, "a number from " + rounded(low, 3) + " to " + rounded(high, 3));
+  return x;
+}
+
 Entry real(const char* name, const char* text, double BlueprintOptions::*field) {
-  return {{name, rounded(BlueprintOptions{}.*field, 4), text},
+  return {{name, rounded(BlueprintOptions{}.*field, 4), text, {}},
           [name, field](ExportRequest& r, const std::string& v) { r.blueprint.*field = number(name, v); }};
 }
 
 Entry integer(const char* name, const char* text, int BlueprintOptions::*field) {
-  return {{name, std::to_string(BlueprintOptions{}.*field), text},
+  return {{name, std::to_string(BlueprintOptions{}.*field), text, {}},
           [name, field](ExportRequest& r, const std::string& v) {
             const double x = number(name, v);
             if (x != std::floor(x) || std::abs(x) > 1e6) refuse(name, "a whole number");
@@ -52,12 +59,14 @@ template <class T>
 Entry choice(const char* name, const char* text, T BlueprintOptions::*field,
              std::vector<std::pair<std::string, T>> values) {
   std::string list, otherwise;
+  std::vector<std::string> words;
   for (const auto& [word, value] : values) {
+    words.push_back(word);
     list += (list.empty() ? "" : ", ") + word;
     if (value == BlueprintOptions{}.*field) otherwise = word;
   }
   const std::string described = std::string(text) + ": " + list;
-  return {{name, otherwise, described},
+  return {{name, otherwise, described, words},
           [name, field, values = std::move(values), list](ExportRequest& r, const std::string& v) {
             for (const auto& [word, value] : values)
               if (word == v) return void(r.blueprint.*field = value);
@@ -67,17 +76,52 @@ Entry choice(const char* name, const char* text, T BlueprintOptions::*field,
 
 Entry other(const char* name, const char* otherwise, const char* text,
             std::function<void(ExportRequest&, const std::string&)> read) {
-  return {{name, otherwise, text}, std::move(read)};
+  return {{name, otherwise, text, {}}, std::move(read)};
+}
+
+Entry with_choices(Entry entry, std::vector<std::string> choices, bool open = false) {
+  entry.described.choices = std::move(choices);
+  entry.described.open = open;
+  return entry;
+}
+
+Entry on_or_off(const char* name, const char* otherwise, const char* text,
+                std::function<void(ExportRequest&, bool)> set) {
+  return with_choices(other(name, otherwise, text,
+                            [name = std::string(name), set = std::move(set)](
+                                ExportRequest& r, const std::string& v) { set(r, truth(name, v)); }),
+                      {"on", "off"});
+}
+
+/// `first` and the presets; other sizes are taken too.
+std::vector<std::string> sizes_and(const char* first) {
+  std::vector<std::string> words{first};
+  for (const auto& preset : sheet_presets()) words.push_back(preset.first);
+  return words;
+}
+
+std::vector<std::string> profile_names() {
+  std::vector<std::string> words;
+  for (const Profile& p : built_in_profiles()) words.push_back(p.name);
+  return words;
+}
+
+std::vector<std::string> material_names() {
+  std::vector<std::string> words;
+  for (const Material& m : materials()) words.push_back(m.name);
+  return words;
 }
 
 std::vector<Entry> sheet_entries() {
   return {
-      other("sheet_size", "auto",
-            "Sheet: a preset, WIDTHxHEIGHT in mm, or auto for one page as large as the parts need",
-            [](ExportRequest& r, const std::string& v) {
-              const SheetSize size = v == "auto" ? SheetSize{0, 0} : sheet_size_named(v);
-              r.blueprint.sheet_width = size.width, r.blueprint.sheet_height = size.height;
-            }),
+      with_choices(
+          other("sheet_size", "auto",
+                "Sheet: a preset, WIDTHxHEIGHT in mm, or auto for one page as large as the parts need",
+                [](ExportRequest& r, const std::string& v) {
+                  const SheetSize size = v == "auto" ? SheetSize{0, 0} : sheet_size_named(v);
+                  r.blueprint.sheet_width = size.width, r.blueprint.sheet_height = size.height;
+                }),
+          sizes_and("auto"), true),
       real("margin", "mm free at every edge of a sheet", &BlueprintOptions::margin),
       real("gap", "mm between any two parts", &BlueprintOptions::gap),
       integer("turns", "Angles that nesting tries, 1 to 64", &BlueprintOptions::turns),
@@ -146,45 +190,60 @@ std::vector<Entry> joint_entries() {
                           {{"outside", MeshSurface::kOutside},
                            {"middle", MeshSurface::kMiddle},
                            {"inside", MeshSurface::kInside}}),
-      other("material", "", "Material that is checked for its smallest bending radius",
-            [](ExportRequest& r, const std::string& v) { r.blueprint.material = v; }),
-      other("hinges", "off", "Slots along rulings that bend below the material's radius: on or off",
-            [](ExportRequest& r, const std::string& v) { r.blueprint.hinges = truth("hinges", v); }),
+      with_choices(other("material", "", "Material that is checked for its smallest bending radius",
+                         [](ExportRequest& r, const std::string& v) { r.blueprint.material = v; }),
+                   material_names()),
+      on_or_off("hinges", "off", "Slots along rulings that bend below the material's radius: on or off",
+                [](ExportRequest& r, bool v) { r.blueprint.hinges = v; }),
   };
 }
 
 std::vector<Entry> file_entries() {
   return {
-      other("profile", "makerspace",
-            "Colours, layers and widths: makerspace, lightburn, boxes, ponoko, silhouette, inventor, astm, "
-            "origami, print, or the operator's own",
-            [](ExportRequest& r, const std::string& v) { r.blueprint.profile = v; }),
-      other("bar", "on", "A bar of 100 mm on every sheet with room: on or off",
-            [](ExportRequest& r, const std::string& v) { r.blueprint.reference_bar = truth("bar", v); }),
-      other("dxf", "r12", "DXF version: r12, r2000",
-            [](ExportRequest& r, const std::string& v) {
-              if (v != "r12" && v != "r2000") refuse("dxf", "r12 or r2000");
-              r.dxf = v == "r12" ? DxfVersion::kR12 : DxfVersion::kR2000;
-            }),
-      other("page", "sheet", "PDF: sheet for a page a sheet, or a page size over which sheets are tiled",
-            [](ExportRequest& r, const std::string& v) {
-              const SheetSize size = v == "sheet" ? SheetSize{0, 0} : sheet_size_named(v);
-              r.pdf.page_width = size.width, r.pdf.page_height = size.height;
-            }),
+      with_choices(
+          other(
+              "profile", "makerspace",
+              "Colours, layers and widths: makerspace, lightburn, boxes, ponoko, silhouette, inventor, astm, "
+              "origami, print, or the operator's own",
+              [](ExportRequest& r, const std::string& v) { r.blueprint.profile = v; }),
+          profile_names(), true),
+      on_or_off("bar", "on", "A bar of 100 mm on every sheet with room: on or off",
+                [](ExportRequest& r, bool v) { r.blueprint.reference_bar = v; }),
+      with_choices(other("dxf", "r12", "DXF version: r12, r2000",
+                         [](ExportRequest& r, const std::string& v) {
+                           if (v != "r12" && v != "r2000") refuse("dxf", "r12 or r2000");
+                           r.dxf = v == "r12" ? DxfVersion::kR12 : DxfVersion::kR2000;
+                         }),
+                   {"r12", "r2000"}),
+      with_choices(
+          other("page", "sheet", "PDF: sheet for a page a sheet, or a page size over which sheets are tiled",
+                [](ExportRequest& r, const std::string& v) {
+                  const SheetSize size = v == "sheet" ? SheetSize{0, 0} : sheet_size_named(v);
+                  r.pdf.page_width = size.width, r.pdf.page_height = size.height;
+                }),
+          sizes_and("sheet"), true),
       other("page_margin", "10", "PDF: mm that the printer leaves white",
-            [](ExportRequest& r, const std::string& v) { r.pdf.page_margin = number("page_margin", v); }),
+            [](ExportRequest& r, const std::string& v) {
+              r.pdf.page_margin = number_between("page_margin", v, 0, 100);
+            }),
       other("page_overlap", "10", "PDF: mm shared by neighbouring tiles",
-            [](ExportRequest& r, const std::string& v) { r.pdf.overlap = number("page_overlap", v); }),
-      other("cover", "on", "PDF: cover with scale box, legend, map and lists: on or off",
-            [](ExportRequest& r, const std::string& v) { r.pdf.cover = truth("cover", v); }),
-      other("steps", "on", "PDF: a picture for each assembly step: on or off",
-            [](ExportRequest& r, const std::string& v) { r.pdf.steps = truth("steps", v); }),
+            [](ExportRequest& r, const std::string& v) {
+              r.pdf.overlap = number_between("page_overlap", v, 0, 100);
+            }),
+      on_or_off("cover", "on", "PDF: cover with scale box, legend, map and lists: on or off",
+                [](ExportRequest& r, bool v) { r.pdf.cover = v; }),
+      on_or_off("steps", "on", "PDF: a picture for each assembly step: on or off",
+                [](ExportRequest& r, bool v) { r.pdf.steps = v; }),
       other("frame_radius", "1.5", "Frame: mm, radius of the rods",
-            [](ExportRequest& r, const std::string& v) { r.frame.radius = number("frame_radius", v); }),
+            [](ExportRequest& r, const std::string& v) {
+              r.frame.radius = number_between("frame_radius", v, 0.05, 50);
+            }),
       other("frame_text", "5", "Frame: mm, height of the seam numbers; 0: none",
-            [](ExportRequest& r, const std::string& v) { r.frame.text_height = number("frame_text", v); }),
-      other("frame_borders", "on", "Frame: rods along the model's border: on or off",
-            [](ExportRequest& r, const std::string& v) { r.frame.borders = truth("frame_borders", v); }),
+            [](ExportRequest& r, const std::string& v) {
+              r.frame.text_height = number_between("frame_text", v, 0, 100);
+            }),
+      on_or_off("frame_borders", "on", "Frame: rods along the model's border: on or off",
+                [](ExportRequest& r, bool v) { r.frame.borders = v; }),
   };
 }
 

@@ -50,6 +50,8 @@ ExportRequest read_export_request(std::string_view format, const std::map<std::s
 /// download.
 struct ExportParameter {
   std::string name, otherwise, text;
+  std::vector<std::string> choices;  ///< words that it takes; empty: numbers or free text
+  bool open = false;                 ///< takes other values than `choices` too
 };
 const std::vector<ExportParameter>& export_parameters();
 

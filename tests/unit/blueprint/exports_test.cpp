@@ -97,9 +97,11 @@ TEST(Exports, QueriesAreReadOrRefusedByName) {
   EXPECT_EQ(r.dxf, DxfVersion::kR2000);
   EXPECT_EQ(r.frame.radius, 2);
   const std::vector<std::array<std::string, 2>> bad = {
-      {"kerf", "x"},    {"kerf", ""},      {"kerf", "1e999"},  {"kerf", "0.1mm"},     {"kerf", "-1"},
-      {"tabs", "yes"},  {"copies", "1.5"}, {"copies", "0"},    {"sheet_size", "5x5"}, {"sheet_size", "axb"},
-      {"page", "huge"}, {"dxf", "r14"},    {"cover", "maybe"}, {"sheet", "0"},        {"nonsense", "1"}};
+      {"kerf", "x"},         {"kerf", ""},          {"kerf", "1e999"},     {"kerf", "0.1mm"},
+      {"kerf", "-1"},        {"tabs", "yes"},       {"copies", "1.5"},     {"copies", "0"},
+      {"sheet_size", "5x5"}, {"sheet_size", "axb"}, {"page", "huge"},      {"dxf", "r14"},
+      {"cover", "maybe"},    {"sheet", "0"},        {"page_margin", "-1"}, {"page_overlap", "1e6"},
+      {"frame_radius", "0"}, {"frame_text", "-1"},  {"nonsense", "1"}};
   for (const auto& [name, value] : bad) {
     try {
       read_export_request("svg", {{name, value}});
@@ -117,6 +119,10 @@ TEST(Exports, DocumentedDefaultsAreTheDefaults) {
   for (const ExportParameter& p : export_parameters()) {
     EXPECT_TRUE(names.insert(p.name).second);
     EXPECT_FALSE(p.text.empty());
+    for (const std::string& word : p.choices)
+      EXPECT_NO_THROW(
+          read_export_request("svg", {{p.name, word}, {"material", "plywood"}, {"thickness", "3"}}))
+          << p.name << "=" << word;
     if (p.otherwise.empty()) continue;
     const ExportRequest given = read_export_request("svg", {{p.name, p.otherwise}}),
                         plain = read_export_request("svg", {});

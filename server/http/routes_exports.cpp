@@ -1,0 +1,79 @@
+// Exports: files made from a stored result for another machine, sheet or material, without computing it
+// again.
+#include "server/base/identity.h"
+#include "server/http/api_parts.h"
+#include "server/http/download.h"
+#include "sheetform/base/error.h"
+
+namespace sheetform::server {
+namespace {
+
+using api::ProblemType;
+
+std::string address_of(const JobRecord& job) {
+  return std::string(kApiRoot) + "/jobs/" + job.id + "/exports";
+}
+
+Answer list_exports(Exchange& x, const ApiParts& parts) {
+  x.allow_parameters({"f"});
+  const JobRecord job = successful_job(x, parts);
+  api::Json document = exports_document(address_of(job), parts.service.profiles());
+  const std::string up = std::string(kApiRoot) + "/jobs/" + job.id;
+  document["links"] = api::to_json({{address_of(job), "self", "application/json", "These exports"},
+                                    {up, "up", "application/json", "The job"}});
+  return json_answer(200, document);
+}
+
+/// The wish in the query; inline is about the answer, not about the file.
+ExportWish wish_of(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
+  ExportWish wish{x.captures.at(1), {}, job.id, job.input_name, "sha256:" + to_hex(job.input), {}};
+  for (const auto& [name, value] : x.query)
+    if (name != "inline") wish.query[name] = x.parameter(name).value();
+  std::string link = absolute(parts, x.head, address_of(job) + "/" + percent_encode(wish.format));
+  for (char before = '?'; const auto& [name, value] : wish.query) {
+    link += before + percent_encode(name) + "=" + percent_encode(value);
+    before = '&';
+  }
+  wish.link = link;
+  return wish;
+}
+
+void check(const ExportWish& wish) {
+  try {
+    check_export(wish);
+  } catch (const Error& e) {
+    if (e.where() == "format")
+      throw Refusal(ProblemType::kNoSuchOutput,
+                    "there is no export " + wish.format.substr(0, 60) + ": " + e.summary(),
+                    "see .../exports for all of them");
+    api::Problem p;
+    p.type = ProblemType::kInvalidQueryParameter;
+    p.detail = e.summary();
+    p.where = e.where().substr(0, 60);
+    p.pointer = p.where;
+    p.fix = e.fix();
+    throw Refusal(p);
+  }
+}
+
+Answer get_export(Exchange& x, ApiParts& parts) {
+  const bool shown = wants_inline(x);
+  const JobRecord job = successful_job(x, parts);
+  const ExportWish wish = wish_of(x, parts, job);
+  check(wish);
+  const CountedPlace place(parts.exports, parts.service.limits().exports, "files that are being made");
+  const std::shared_ptr<const ExportedFile> file = parts.service.export_result(job, wish);
+  return send_download(
+      x, {base_name(job) + "-" + file->name, file->media_type, file->digest, file->bytes, std::nullopt,
+          [file](std::uint64_t offset, std::uint64_t most) { return file->read(offset, most); }, shown});
+}
+
+}  // namespace
+
+void add_export_routes(Router& router, ApiParts& parts) {
+  const std::string exports = std::string(kApiRoot) + "/jobs/{jobID}/exports";
+  router.add({"GET", exports, "read", [&parts](Exchange& x) { return list_exports(x, parts); }});
+  router.add({"GET", exports + "/{format}", "read", [&parts](Exchange& x) { return get_export(x, parts); }});
+}
+
+}  // namespace sheetform::server
