@@ -101,7 +101,36 @@ std::vector<RestTriangle> rest_triangles(const SurfaceMesh& mesh, const Patch& p
   return rest;
 }
 
-void tutte(const std::vector<RestTriangle>& rest, PatchChart& chart) {
+// Places of the local vertices in the order of elimination.
+std::vector<int> elimination_order(const ChartParams& params, const PatchChart& chart) {
+  const int n = static_cast<int>(chart.vertices.size());
+  std::vector<int> order(n), place(n);
+  std::iota(order.begin(), order.end(), 0);
+  if (params.elimination_rank != nullptr)
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      const int ra = (*params.elimination_rank)[chart.vertices[a]],
+                rb = (*params.elimination_rank)[chart.vertices[b]];
+      return ra != rb ? ra < rb : a < b;
+    });
+  for (int i = 0; i < n; ++i) place[order[i]] = i;
+  return place;
+}
+
+// Factorises in the order given.
+class Solver {
+ public:
+  Solver(int n, const Triplets& triplets) {
+    Sparse matrix(n, n);
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    ldlt_.compute(matrix);
+  }
+  Eigen::MatrixX2d solve(const Eigen::MatrixX2d& rhs) const { return ldlt_.solve(rhs); }
+
+ private:
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+};
+
+void tutte(const std::vector<RestTriangle>& rest, const std::vector<int>& place, PatchChart& chart) {
   const int n = static_cast<int>(chart.vertices.size());
   std::vector<int> loop;
   std::vector<char> on_loop(n, 0);
@@ -116,9 +145,10 @@ void tutte(const std::vector<RestTriangle>& rest, PatchChart& chart) {
   for (std::size_t i = 0; i < loop.size(); ++i)
     chart.uv[loop[i]] =
         radius * Vector2(std::cos(step * static_cast<double>(i)), std::sin(step * static_cast<double>(i)));
-  std::vector<int> inner(n, -1);
+  std::vector<int> inner(n, -1), order(n);
+  for (int v = 0; v < n; ++v) order[place[v]] = v;
   int m = 0;
-  for (int v = 0; v < n; ++v)
+  for (int v : order)
     if (!on_loop[v]) inner[v] = m++;
   if (m == 0) return;
   Triplets triplets;
@@ -137,16 +167,14 @@ void tutte(const std::vector<RestTriangle>& rest, PatchChart& chart) {
         }
       }
     }
-  Sparse matrix(m, m);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  const Eigen::SimplicialLDLT<Sparse> solver(matrix);
-  const Eigen::MatrixX2d x = solver.solve(rhs);
+  const Eigen::MatrixX2d x = Solver(m, triplets).solve(rhs);
   for (int v = 0; v < n; ++v)
     if (inner[v] >= 0) chart.uv[v] = x.row(inner[v]);
 }
 
 // One local step: rotations and the right-hand side; returns the energy of the current map.
-double local_step(const std::vector<RestTriangle>& rest, const PatchChart& chart, Eigen::MatrixX2d& rhs) {
+double local_step(const std::vector<RestTriangle>& rest, const PatchChart& chart,
+                  const std::vector<int>& place, Eigen::MatrixX2d& rhs) {
   rhs.setZero();
   double energy = 0;
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -165,36 +193,36 @@ double local_step(const std::vector<RestTriangle>& rest, const PatchChart& chart
       const int p = (k + 1) % 3, q = (k + 2) % 3;
       const Vector2 x = r.p[q] - r.p[p], turned(a * x.x() - b * x.y(), b * x.x() + a * x.y());
       energy += r.cot[k] * (chart.uv[t[q]] - chart.uv[t[p]] - turned).squaredNorm();
-      rhs.row(t[q]) += r.cot[k] * turned.transpose();
-      rhs.row(t[p]) -= r.cot[k] * turned.transpose();
+      rhs.row(place[t[q]]) += r.cot[k] * turned.transpose();
+      rhs.row(place[t[p]]) -= r.cot[k] * turned.transpose();
     }
   }
   return energy;
 }
 
-void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, PatchChart& chart) {
-  const int n = static_cast<int>(chart.vertices.size());
+void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
+          PatchChart& chart) {
+  const int n = static_cast<int>(place.size());
   Triplets triplets;
+  triplets.reserve(9 * rest.size() + 1);
   for (std::size_t i = 0; i < rest.size(); ++i)
     for (int k = 0; k < 3; ++k) {
-      const int a = chart.triangles[i][(k + 1) % 3], b = chart.triangles[i][(k + 2) % 3];
+      const int a = place[chart.triangles[i][(k + 1) % 3]], b = place[chart.triangles[i][(k + 2) % 3]];
       const double w = rest[i].cot[k];
       triplets.emplace_back(a, a, w), triplets.emplace_back(b, b, w);
       triplets.emplace_back(std::max(a, b), std::min(a, b), -w);
     }
-  triplets.emplace_back(0, 0, 1.0);  // pins vertex 0, the only freedom left
-  Sparse matrix(n, n);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  const Eigen::SimplicialLDLT<Sparse> solver(matrix);
+  triplets.emplace_back(place[0], place[0], 1.0);  // pins vertex 0, the only freedom left
+  const Solver solver(n, triplets);
   Eigen::MatrixX2d rhs(n, 2), x;
   double last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
-    const double energy = local_step(rest, chart, rhs);
+    const double energy = local_step(rest, chart, place, rhs);
     if (it > 0 && last - energy < params.stop * last) break;
     last = energy;
-    rhs.row(0) += chart.uv[0].transpose();
+    rhs.row(place[0]) += chart.uv[0].transpose();
     x = solver.solve(rhs);
-    for (int v = 0; v < n; ++v) chart.uv[v] = x.row(v);
+    for (int v = 0; v < n; ++v) chart.uv[v] = x.row(place[v]);
   }
 }
 
@@ -220,13 +248,28 @@ void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
 
 }  // namespace
 
+std::vector<int> elimination_rank(const SurfaceMesh& mesh) {
+  const int n = static_cast<int>(mesh.points.size());
+  Triplets triplets;
+  for (const auto& e : mesh.edges) triplets.emplace_back(e.v0, e.v1, 1), triplets.emplace_back(e.v1, e.v0, 1);
+  for (int v = 0; v < n; ++v) triplets.emplace_back(v, v, 1);
+  Sparse matrix(n, n);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(matrix, order);
+  std::vector<int> rank(n);
+  for (int i = 0; i < n; ++i) rank[order.indices()[i]] = i;
+  return rank;
+}
+
 PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
                        const ChartParams& params) {
   PatchChart chart;
   cut_open(mesh, layout, patch, chart);
   const auto rest = rest_triangles(mesh, patch);
-  tutte(rest, chart);
-  arap(rest, params, chart);
+  const std::vector<int> place = elimination_order(params, chart);
+  tutte(rest, place, chart);
+  arap(rest, params, place, chart);
   measure(rest, chart);
   return chart;
 }

@@ -20,7 +20,12 @@ struct PatchChart {
 struct ChartParams {
   int max_iterations = 6;
   double stop = 5e-3;  ///< relative decrease of the energy
+  /// Rank of each mesh vertex in a fill-reducing order of the whole mesh; null = as they come.
+  const std::vector<int>* elimination_rank = nullptr;
 };
+
+/// A fill-reducing order of all vertices (approximate minimum degree): any patch factorises well in it.
+std::vector<int> elimination_rank(const SurfaceMesh& mesh);
 
 /// Tutte embedding on a circle, then local/global iterations (method.md 8.2). The patch must be a disk when
 /// cut open. Cost: one sparse factorisation each of n inner and n all vertices, n = vertices of the patch.

@@ -347,7 +347,9 @@ std::shared_ptr<const PatchChart> LayoutEvaluator::chart(const PatchLayout& layo
     const auto it = charts_->cache_.find(patch.key);
     if (it != charts_->cache_.end() && it->second->chart) return it->second->chart;
   }
-  return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, {}));
+  ChartParams chart_params;
+  if (!surface_.elimination_rank.empty()) chart_params.elimination_rank = &surface_.elimination_rank;
+  return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, chart_params));
 }
 
 std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(

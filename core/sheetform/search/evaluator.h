@@ -31,6 +31,7 @@ struct SearchSurface {
   SurfaceGuide guide;
   const ClosestPointTree* input = nullptr;  ///< the untouched input
   std::vector<DetailPoint> details;         ///< ascending by face
+  std::vector<int> elimination_rank;        ///< see ruling/chart.h; may be empty
 };
 
 struct EvaluationParams {
