@@ -20,16 +20,17 @@ after(async () => {
   await server?.stop();
 });
 
-/** Sends a mesh that takes some seconds and waits until its job is under way. */
-async function begin(name, wave) {
+/** Sends a mesh and waits until its job is under way; the closer the sheets shall come, the longer it takes. */
+async function begin(name, mesh, percent = 2) {
   await window.goto("#");
-  await page.locator("#file").setInputFiles(ball(name, { wave }));
+  await page.locator("#file").setInputFiles(ball(name, mesh));
+  await page.getByLabel("Tolerance in per cent of the diagonal").fill(String(percent));
   await page.getByRole("button", { name: "Make the sheets" }).click();
   await page.locator(".progress-panel").waitFor();
 }
 
 it("a reload in mid-job comes back to the job, and to its result", async () => {
-  await begin("reload.obj", 0.11);
+  await begin("reload.obj", { around: 80, up: 40, wave: 0.11 });
   await page.reload();
   await page.locator(".progress-panel, .figures").first().waitFor();
   await window.shot("interruption-1-reloaded");
@@ -40,7 +41,7 @@ it("a reload in mid-job comes back to the job, and to its result", async () => {
 });
 
 it("cancel stops the job and offers a way on", async () => {
-  await begin("cancel.obj", 0.12);
+  await begin("cancel.obj", { wave: 0.12 }, 0.3);
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "Cancelled" }).waitFor();
   await page.getByRole("button", { name: "Change settings" }).click();
@@ -49,7 +50,7 @@ it("cancel stops the job and offers a way on", async () => {
 });
 
 it("a server restart in mid-job is survived without a hand's turn", async () => {
-  await begin("restart.obj", 0.13);
+  await begin("restart.obj", { around: 80, up: 40, wave: 0.13 });
   await server.end();
   await page.getByText(/No connection to the server/).waitFor();
   await window.shot("interruption-2-server-gone");

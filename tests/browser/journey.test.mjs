@@ -94,8 +94,7 @@ describe("on a wide window", () => {
     assert.ok((await page.locator(".flat .seam.lit").count()) >= 1);
     await page.keyboard.press("Escape");
     assert.equal(await page.locator(".flat .seam.lit").count(), 0);
-    const sheet = page.locator(".flat .part .sheet").nth(0);
-    await sheet.hover();
+    await window.hoverLabel(page.locator(".flat .part-label").first());
     await page.locator(".part-row.lit").waitFor();
   });
 

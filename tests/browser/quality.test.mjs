@@ -4,11 +4,13 @@ import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { after, before, it } from "node:test";
 import { Window, launch } from "./support/browser.mjs";
+import { gores } from "./support/gores.mjs";
 import { letter } from "./support/meshes.mjs";
 import { Server } from "./support/server.mjs";
 
 const FIRST_VIEW_BYTES = 300 * 1024;
 const FRAME_SCRIPT_MS = 8; // half of what 60 frames a second allow
+const FRAMES = 5;
 
 let server;
 let browser;
@@ -73,37 +75,40 @@ it("the result is accessible", async () => {
   await accessible("files");
 });
 
-it("turning the result costs little script time a frame", async () => {
+it("turning a result of 30 k triangles costs little script time a frame", async () => {
+  const { obj, layout } = gores({ count: 60, rows: 250 });
+  await page.setViewportSize({ width: 800, height: 500 }); // the picture is computed without a graphics card here
+  await page.route(/results\/ruled\.obj/, (route) => route.fulfill({ body: obj }));
+  await page.route(/results\/layout\.json/, (route) => route.fulfill({ json: layout }));
+  await page.reload();
+  await window.ready();
+  assert.equal(await page.locator(".flat .part").count(), 120);
+  const milliseconds = await scriptTimeOfTurning();
+  console.log(`script time a frame: ${milliseconds.toFixed(2)} ms`);
+  assert.ok(milliseconds > 0 && milliseconds < FRAME_SCRIPT_MS, `${milliseconds} ms`);
+  await page.unrouteAll();
+});
+
+/** Drags the 3D view around; the script's own processor time for a frame, which other programs do not lengthen. */
+async function scriptTimeOfTurning() {
   const session = await page.context().newCDPSession(page);
-  await session.send("Performance.enable");
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
   const script = async () =>
     (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "ScriptDuration").value * 1000;
   const box = await page.locator(".canvas3d").boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.move(x, y);
   await page.mouse.down();
-  await page.evaluate(() => {
-    window.countedFrames = 0;
-    const count = () => {
-      window.countedFrames++;
-      window.counting = requestAnimationFrame(count);
-    };
-    count();
-  });
   const begun = await script();
-  for (let k = 0; k < 40; k++) await page.mouse.move(x + 4 * k, y + k);
-  const spent = (await script()) - begun;
-  const frames = await page.evaluate(() => {
-    cancelAnimationFrame(window.counting);
-    return window.countedFrames;
-  });
+  for (let k = 1; k <= FRAMES; k++) {
+    await page.mouse.move(x + 8 * k, y + k);
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  }
+  const milliseconds = (await script()) - begun;
   await page.mouse.up();
-  assert.ok(
-    frames > 3 && spent / frames < FRAME_SCRIPT_MS,
-    `${(spent / frames).toFixed(2)} ms script a frame over ${frames} frames`,
-  );
-  console.log(`script time a frame: ${(spent / frames).toFixed(2)} ms over ${frames} frames`);
-});
+  await session.detach();
+  return milliseconds / FRAMES;
+}
 
 it("first page and errors are accessible", async () => {
   await window.goto("#");

@@ -5,6 +5,7 @@ import { materialOf } from "./materials.js";
 import { MeshError } from "./mesh/read_mesh.js";
 import { inspectFile } from "./worker/client.js";
 import { recall } from "./prefs.js";
+import { asAsked } from "./variants.js";
 
 export const ACCEPTED = ".stl,.obj,.ply,.off,model/stl,model/obj";
 
@@ -83,7 +84,7 @@ function makeDraft(file, like) {
     scale: like?.parameters?.scale ?? 1,
     material,
     values: like?.parameters
-      ? { ...like.parameters }
+      ? asAsked(like.parameters)
       : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
   };
 }

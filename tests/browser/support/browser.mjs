@@ -8,6 +8,9 @@ const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** Remarks of the software renderer, not of the page. */
 const NOISE = /GPU stall due to ReadPixels|swiftshader|SwiftShader|GroupMarkerNotSet/;
 
+/** Milliseconds a single step may take: only a defect takes that long, however busy the machine is. */
+const PATIENCE = 120000;
+
 export async function launch() {
   return chromium.launch({
     executablePath: EXECUTABLE,
@@ -26,7 +29,7 @@ export class Window {
       ...options,
     });
     window.page = await window.context.newPage();
-    window.page.setDefaultTimeout(60000);
+    window.page.setDefaultTimeout(PATIENCE);
     window.complaints = [];
     window.expected = [];
     window.page.on("console", (message) => {
@@ -53,7 +56,7 @@ export class Window {
 
   /** Waits until a result is drawn. */
   ready() {
-    return this.page.waitForFunction(() => document.documentElement.dataset.ready, null, { timeout: 120000 });
+    return this.page.waitForFunction(() => document.documentElement.dataset.ready, null, { timeout: 2 * PATIENCE });
   }
 
   /** Complaints that match none of the patterns. */
@@ -67,6 +70,12 @@ export class Window {
       input.value = String(to);
       input.dispatchEvent(new Event("input", { bubbles: true }));
     }, value);
+  }
+
+  /** Points at a part's label: it stands inside its part, which the centre of a curved part's box may not. */
+  async hoverLabel(label) {
+    const { x, y, width, height } = await label.boundingBox();
+    await this.page.mouse.move(x + width / 2, y + height / 2);
   }
 
   close() {

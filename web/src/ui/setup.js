@@ -276,7 +276,7 @@ async function start(page, ready, form, place, change) {
         },
       );
       jobs.put(job);
-      remember("values", form.changed());
+      remember("values", without(form.changed(), OWN));
       rememberJob(job.jobID, draft);
       if (draft === drafts.draft) keepPicture(job.jobID, page.stage.viewport?.picture());
       first ??= job;
@@ -298,6 +298,9 @@ function rememberJob(id, draft) {
   for (const old of ids.slice(0, Math.max(0, ids.length - 300))) delete all[old];
   remember("jobs", all);
 }
+
+/** Size and tolerance belong to one mesh; the rest is offered again for the next. */
+const without = (values, names) => Object.fromEntries(Object.entries(values).filter(([name]) => !names.has(name)));
 
 function parametersOf(draft, form) {
   return { ...form.changed(), e_max: draft.values.e_max, scale: draft.scale === 1 ? undefined : draft.scale };
