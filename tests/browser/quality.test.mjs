@@ -72,6 +72,8 @@ it("the result is accessible", async () => {
   await page.getByRole("option").first().click();
   await accessible("parts");
   await page.getByRole("tab", { name: "Files" }).click();
+  await page.locator(".sheet-preview img").waitFor();
+  await page.getByText("More about the files").click();
   await accessible("files");
 });
 

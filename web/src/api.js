@@ -58,7 +58,8 @@ export const listJobs = async (limit = 100) => (await json(`${ROOT}/jobs?limit=$
 export const dismissJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`, { method: "DELETE" });
 export const retryJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
 export const getResults = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/results`);
-export const zipHref = (id) => `${ROOT}/jobs/${encodeURIComponent(id)}/results?f=zip`;
+export const getExports = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/exports`);
+export const getJson = (href) => json(href);
 export const fileHref = (id, name) => `${ROOT}/jobs/${encodeURIComponent(id)}/results/${name}?inline=1`;
 export const getText = async (href) => (await request(href)).text();
 export const getInput = async (id) => (await request(`${ROOT}/jobs/${encodeURIComponent(id)}/input`)).blob();

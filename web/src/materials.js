@@ -10,6 +10,7 @@ export const MATERIALS = [
     radius: 1,
     sheet: [210, 297],
     sheetName: "A4",
+    preset: "a4",
     tolerance: 0.015,
   },
   {
@@ -20,6 +21,7 @@ export const MATERIALS = [
     radius: 8,
     sheet: [297, 420],
     sheetName: "A3",
+    preset: "a3",
     tolerance: 0.02,
   },
   {
@@ -30,6 +32,7 @@ export const MATERIALS = [
     radius: 28,
     sheet: [600, 400],
     sheetName: "600 × 400",
+    preset: "600x400",
     tolerance: 0.025,
   },
   {
@@ -40,9 +43,13 @@ export const MATERIALS = [
     radius: 15,
     sheet: [1000, 500],
     sheetName: "1000 × 500",
+    preset: "1000x500",
     tolerance: 0.02,
   },
 ];
+
+/** Beds of usual lasers and sheets from the shop, in mm, offered beside the paper sizes. */
+export const BEDS = ["600x300", "600x400", "900x600", "1000x500", "1220x610"];
 
 export const materialOf = (id) => MATERIALS.find((material) => material.id === id) ?? MATERIALS[1];
 

@@ -6,6 +6,7 @@ import { countInner, measureSeams, measureStretch, partsThatCross } from "../../
 import { foldPart, foldSteps, hinges } from "../../../web/src/result/fold.js";
 import { labelPlace } from "../../../web/src/result/label_place.js";
 import { colorsOf, parseResult } from "../../../web/src/result/parse_result.js";
+import { seamPlaces } from "../../../web/src/result/seam_places.js";
 import { gores } from "../support/gores.mjs";
 
 const FRAME = { origin: [5, -3, 2], x: [0, 1, 0], y: [0, 0, 1] };
@@ -14,6 +15,38 @@ function model(options) {
   const { obj, layout } = gores(options);
   return parseResult(obj, layout);
 }
+
+describe("numbers of seams", () => {
+  it("stand half way along each run, wherever the outline begins", () => {
+    const points = [0, 0, 4, 0, 4, 2, 0, 2];
+    const square = { outline: [0, 1, 2, 3], outlineSeams: [7, 7, -1, 9] };
+    assert.deepEqual(seamPlaces(square, points, 2), [
+      { seam: 7, at: [3, 0] },
+      { seam: 9, at: [0, 1] },
+    ]);
+    const turned = { outline: [1, 2, 3, 0], outlineSeams: [7, -1, 9, 7] };
+    assert.deepEqual(
+      new Map(seamPlaces(turned, points, 2).map(({ seam, at }) => [seam, at])),
+      new Map([
+        [9, [0, 1]],
+        [7, [3, 0]],
+      ]),
+    );
+  });
+  it("one seam all around has one place, a part joined to itself two", () => {
+    const points = [0, 0, 1, 0, 1, 1, 0, 1];
+    assert.deepEqual(seamPlaces({ outline: [0, 1, 2, 3], outlineSeams: [5, 5, 5, 5] }, points, 2), [
+      { seam: 5, at: [1, 1] },
+    ]);
+    assert.deepEqual(
+      seamPlaces({ outline: [0, 1, 2, 3], outlineSeams: [5, 1, 5, 2] }, points, 2).filter(({ seam }) => seam === 5),
+      [
+        { seam: 5, at: [0.5, 0] },
+        { seam: 5, at: [0.5, 1] },
+      ],
+    );
+  });
+});
 
 describe("parsing", () => {
   const it16 = model({ scale: 2 });

@@ -125,7 +125,7 @@ class JobPage {
         : "Starts in a moment"
       : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
-    percentText.textContent = waiting ? "–" : `${job.progress} %`;
+    percentText.textContent = waiting ? "" : `${job.progress} %`;
     times.textContent = waiting
       ? ""
       : [`${duration(elapsed)} so far`, left !== null && `about ${duration(Math.max(1, left))} left`]

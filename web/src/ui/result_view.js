@@ -7,6 +7,7 @@ import { keepPicture } from "../prefs.js";
 import { parseResult } from "../result/parse_result.js";
 import { certificate } from "./certificate.js";
 import { downloads } from "./downloads.js";
+import { exportPanel } from "./exports.js";
 import { figures } from "./figures.js";
 import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
@@ -100,7 +101,13 @@ export class ResultView {
         ),
       ),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
-      files: h("div", { class: "tab-pane" }, downloads(this.files, job), reproduce(job, this.process)),
+      files: () =>
+        h(
+          "div",
+          { class: "tab-pane" },
+          exportPanel({ job, model, material, stops: this.stops }),
+          h("div", {}, downloads(this.files), reproduce(job, this.process)),
+        ),
     };
     this.showTabs(panes);
     this.listenToEscape();
@@ -124,6 +131,8 @@ export class ResultView {
     const body = h("div", { class: "tab-body", role: "tabpanel", id: "tab-body", tabindex: "0" });
     const select = (id) => {
       this.work.dataset.tab = id;
+      // Made when first looked at: drawing the files costs the server something.
+      if (typeof panes[id] === "function") panes[id] = panes[id]();
       if (panes[id]) replace(body, panes[id]);
       for (const button of buttons) {
         const on = button.dataset.tab === id;

@@ -2,6 +2,7 @@
 import { h, oncePerFrame, replace, s } from "../dom.js";
 import { millimetres } from "../format.js";
 import { labelPlace } from "../result/label_place.js";
+import { seamPlaces } from "../result/seam_places.js";
 
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 
@@ -64,8 +65,27 @@ export class FlatView {
       s("path", { class: "cut", d: outline }),
       this.seamPaths(part, at),
       label,
+      this.seamNames(part),
     );
     return { group, label, room: place.room };
+  }
+
+  /** The numbers of the part's seams; they show while the part is chosen. */
+  seamNames(part) {
+    return seamPlaces(part, this.model.flat, 2).map(({ seam, at: [x, y] }) =>
+      s(
+        "text",
+        {
+          class: "seam-name",
+          "data-seam": seam,
+          x: x.toFixed(2),
+          y: (-y).toFixed(2),
+          "text-anchor": "middle",
+          "dominant-baseline": "central",
+        },
+        this.model.seams.find((item) => item.id === seam)?.name ?? seam,
+      ),
+    );
   }
 
   /** One wide, unseen stroke per seam and part: what the pointer meets; it shows when the seam is chosen. */
@@ -89,7 +109,7 @@ export class FlatView {
     this.content.classList.toggle("some", selected !== null || chosenSeam !== null);
     for (const path of this.content.querySelectorAll(".seam.lit")) path.classList.remove("lit");
     if (seam !== null)
-      for (const path of this.content.querySelectorAll(`[data-seam="${seam}"]`)) path.classList.add("lit");
+      for (const path of this.content.querySelectorAll(`.seam[data-seam="${seam}"]`)) path.classList.add("lit");
   }
 
   showRulings(on) {
@@ -149,6 +169,7 @@ export class FlatView {
       label.setAttribute("font-size", size.toFixed(3));
       label.style.display = size * zoom < 6 ? "none" : "";
     }
+    this.content.style.setProperty("--seam-name", `${(12 / zoom).toFixed(3)}px`);
     this.drawMat();
   }
 

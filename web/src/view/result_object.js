@@ -282,6 +282,11 @@ export class ResultObject {
     return { part, seam: best.seam };
   }
 
+  /** The middle of a part as it stands now. */
+  centerOf(part) {
+    return centerOf(part, this.position);
+  }
+
   dispose() {
     for (const object of [this.front, this.back, this.seams, this.rulings, this.chosen]) {
       object.geometry.dispose();

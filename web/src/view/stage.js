@@ -2,6 +2,7 @@
 import { h, oncePerFrame, replace } from "../dom.js";
 import { extents } from "../drafts.js";
 import { millimetres } from "../format.js";
+import { seamPlaces } from "../result/seam_places.js";
 import { icon } from "../ui/icons.js";
 import { FlatView } from "./flat_view.js";
 import { InputObject } from "./input_object.js";
@@ -103,7 +104,8 @@ export class Stage {
 
   /** Millimetres for one unit: the sizes beside the box follow. */
   setScale(scale) {
-    if (!this.input) return;
+    this.scale = scale;
+    if (!this.input || this.result) return;
     const sizes = extents(this.input.mesh);
     const { box, center } = this.input.mesh;
     const corner = box.max.map((high, axis) => high - center[axis]);
@@ -142,7 +144,7 @@ export class Stage {
         onclick: () => {
           this.up = this.up === "z" ? "y" : "z";
           this.viewport.setUp(this.up);
-          this.relabel?.();
+          this.setScale(this.scale);
           up.lastChild.textContent = `${this.up} up`;
           onUp?.(this.up);
         },
@@ -214,6 +216,7 @@ export class Stage {
     const leaving = before.fold >= 1 && state.fold !== undefined && state.fold < 1;
     const axes = leaving || state.only !== undefined ? this.viewport.screenAxes() : null;
     this.result.pose({ ...state, ...(axes ? { x: axes[0], y: axes[1] } : {}) });
+    this.markSelection();
     this.viewport.refit(this.result.radius());
   }
 
@@ -248,6 +251,7 @@ export class Stage {
     };
     this.result?.highlight(lit);
     this.flat?.highlight(lit);
+    if (change.selected !== undefined || change.seam !== undefined) this.markSelection();
     if (change.selected !== undefined && change.selected !== null) {
       this.flat?.reveal(change.selected);
       const { only = null } = this.result?.state ?? {};
@@ -260,6 +264,34 @@ export class Stage {
   onSelection(listener) {
     this.selectionListeners.add(listener);
     return () => this.selectionListeners.delete(listener);
+  }
+
+  /** Names in the 3D view: of the chosen part and its seams, or of the chosen seam. */
+  markSelection() {
+    if (!this.result) return;
+    const { selected, seam } = this.selection;
+    const { parts, seams } = this.model;
+    const tag = (text, look, id) =>
+      h(
+        "span",
+        { class: `seam-tag ${look}`, onclick: id === null ? null : () => this.choose({ part: null, seam: id }) },
+        text,
+      );
+    const shown = selected !== null ? [parts[selected]] : parts.filter((part) => seam !== null && part.seams.includes(seam));
+    this.marked = shown.flatMap((part) => [
+      { at: this.result.centerOf(part), element: tag(part.label, "part-tag", null) },
+      ...seamPlaces(part, this.result.position, 3)
+        .filter((place) => selected !== null || place.seam === seam)
+        .map((place) => ({
+          at: place.at,
+          element: tag(seams.find((item) => item.id === place.seam)?.name ?? place.seam, "", place.seam),
+        })),
+    ]);
+    replace(
+      this.labels,
+      this.marked.map((mark) => mark.element),
+    );
+    this.placeLabels();
   }
 
   recolor() {

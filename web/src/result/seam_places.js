@@ -1,0 +1,43 @@
+// Where the numbers of a part's seams stand: in the middle of each run along its outline.
+
+/**
+ * @param part with outline (vertices) and outlineSeams (the seam from each vertex to the next, below 0: none)
+ * @param points coordinates of all vertices, `size` for each
+ * @returns [{seam, at}], one for every run of edges of the same seam; a seam of the part with itself has two
+ */
+export function seamPlaces({ outline, outlineSeams }, points, size) {
+  const n = outline.length;
+  const seams = Array.from(outlineSeams);
+  // Begins where a run does, so that none is cut in two.
+  const first = Math.max(
+    0,
+    seams.findIndex((seam, k) => seam !== seams[(k + n - 1) % n]),
+  );
+  const places = [];
+  for (let k = 0; k < n; ) {
+    const seam = seams[(first + k) % n];
+    let end = k;
+    while (end < n && seams[(first + end) % n] === seam) end++;
+    const run = Array.from({ length: end - k + 1 }, (_, step) => pointOf(points, outline[(first + k + step) % n], size));
+    if (seam >= 0) places.push({ seam, at: middleOf(run) });
+    k = end;
+  }
+  return places;
+}
+
+const pointOf = (points, v, size) => Array.from({ length: size }, (_, axis) => points[size * v + axis]);
+const distance = (a, b) => Math.hypot(...a.map((value, axis) => b[axis] - value));
+
+/** The point half way along a polyline. */
+function middleOf(run) {
+  const lengths = run.slice(1).map((point, k) => distance(run[k], point));
+  let left = lengths.reduce((sum, length) => sum + length, 0) / 2;
+  for (let k = 0; k < lengths.length; k++) {
+    if (left <= lengths[k]) {
+      const share = lengths[k] > 0 ? left / lengths[k] : 0;
+      return run[k].map((value, axis) => value + share * (run[k + 1][axis] - value));
+    }
+    left -= lengths[k];
+  }
+  return run.at(-1);
+}

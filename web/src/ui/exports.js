@@ -1,0 +1,198 @@
+// Files for one's own machine: chosen after the computation, drawn again from the stored result, shown before they are taken.
+import { getExports, getJson, getText } from "../api.js";
+import { h, replace } from "../dom.js";
+import { count, duration, metres, percent } from "../format.js";
+import { BEDS } from "../materials.js";
+import { recall, remember } from "../prefs.js";
+import { culpritOf, hrefOf, queryOfWish, usualWish } from "../result/export_wish.js";
+import { ExportForm } from "./export_form.js";
+import { icon } from "./icons.js";
+import { problemBox, wordsOf } from "./problem.js";
+
+const PAUSE = 350; // milliseconds without a change before the sheets are drawn again
+const ENDING = { "parts-svg": "svg", "parts-dxf": "dxf", frame: "stl", "parts-json": "json", "parts-csv": "csv" };
+
+export function exportPanel({ job, model, material, stops }) {
+  const panel = new ExportPanel({ job, model, material });
+  stops.push(() => panel.dispose());
+  panel.start();
+  return panel.element;
+}
+
+class ExportPanel {
+  constructor(context) {
+    Object.assign(this, context);
+    this.element = h("section", { class: "exports" }, h("p", { class: "busy" }, "Asking what can be made …"));
+    this.sheet = 1;
+  }
+
+  dispose() {
+    this.turn = null;
+    clearTimeout(this.timer);
+    URL.revokeObjectURL(this.url);
+  }
+
+  async start() {
+    try {
+      const { formats, parameters } = await getExports(this.job.jobID);
+      this.formats = formats;
+      this.parameters = parameters.map((one) =>
+        one.name === "sheet_size" ? { ...one, choices: [...(one.choices ?? []), ...BEDS], open: true } : one,
+      );
+    } catch (error) {
+      return replace(this.element, problemBox(error));
+    }
+    // Sheet and pages belong to material and parts, the rest to the workshop.
+    this.values = { ...recall("exports", {}), ...usualWish(this.material, this.model.parts) };
+    this.form = new ExportForm(this.parameters, this.values, () => this.changed());
+    this.preview = h("div", { class: "sheet-preview" });
+    this.summary = h("div", { class: "summary", role: "status" });
+    this.archive = h("div", {});
+    this.links = h("ul", { class: "files-list" });
+    replace(this.element, this.preview, this.summary, this.archive, this.form.element, this.links);
+    this.draw();
+  }
+
+  changed() {
+    remember("exports", this.values);
+    this.sheet = 1;
+    clearTimeout(this.timer);
+    this.turn = null;
+    this.preview.classList.add("stale");
+    this.timer = setTimeout(() => this.draw(), PAUSE);
+  }
+
+  href(format, more = {}) {
+    const { href } = this.formats.find((one) => one.format === format);
+    return hrefOf(href, queryOfWish(this.parameters, this.values, more));
+  }
+
+  /** Asks for the list of parts first: it says how many sheets there are, or what is wrong with the choice. */
+  async draw() {
+    const turn = (this.turn = Symbol("draw"));
+    try {
+      const { totals, warnings } = await getJson(this.href("parts-json"));
+      if (this.turn !== turn) return;
+      this.form.mark("");
+      this.totals = totals;
+      replace(this.summary, summaryOf(totals), notes(warnings));
+      this.showLinks(true);
+      await this.showSheet(turn);
+    } catch (error) {
+      if (this.turn === turn) this.refused(error);
+    }
+  }
+
+  refused(error) {
+    const { status, where, detail, fix } = wordsOf(error);
+    if (status === 429) return (this.timer = setTimeout(() => this.draw(), 1500));
+    this.form.mark(culpritOf(where));
+    replace(this.summary, h("div", { class: "warning" }, icon("warn", 18), h("div", {}, sentences(detail, fix))));
+    replace(this.preview);
+    this.showLinks(false);
+  }
+
+  async showSheet(turn) {
+    const { sheets } = this.totals;
+    const drawing = await getText(this.href("svg", { sheet: this.sheet, inline: 1 }));
+    if (this.turn !== turn) return;
+    URL.revokeObjectURL(this.url);
+    this.url = URL.createObjectURL(new Blob([withVisibleLines(drawing)], { type: "image/svg+xml" }));
+    const step = (by) => async () => {
+      this.sheet += by;
+      await this.showSheet(turn).catch((error) => this.refused(error));
+      this.preview.querySelector(by < 0 ? ".before:not(:disabled)" : ".after:not(:disabled)")?.focus();
+    };
+    const turner = (by, name, glyph, label) =>
+      h(
+        "button",
+        {
+          type: "button",
+          class: `small ${name}`,
+          "aria-label": label,
+          disabled: this.sheet + by < 1 || this.sheet + by > sheets,
+          onclick: step(by),
+        },
+        glyph,
+      );
+    this.preview.classList.remove("stale");
+    replace(
+      this.preview,
+      h("img", { src: this.url, alt: `Sheet ${this.sheet} of ${sheets}` }),
+      sheets > 1 &&
+        h(
+          "div",
+          { class: "row center" },
+          turner(-1, "before", "‹", "Sheet before"),
+          h("span", { class: "hint" }, `Sheet ${this.sheet} of ${sheets}`),
+          turner(1, "after", "›", "Next sheet"),
+        ),
+    );
+  }
+
+  /** Without `good` there is nothing to take: the choice has to be mended first. */
+  showLinks(good) {
+    const all = this.formats.find((one) => one.format === "zip");
+    const each = this.formats.filter((one) => one !== all);
+    this.element.classList.toggle("nothing", !good);
+    const link = (format) => (good ? { href: this.href(format), download: "" } : {});
+    replace(
+      this.archive,
+      all && h("a", { class: "button primary wide", ...link("zip") }, icon("download"), "Everything as ZIP"),
+    );
+    replace(
+      this.links,
+      each.map(({ format, title }) =>
+        h(
+          "li",
+          {},
+          h(
+            "a",
+            link(format),
+            h("span", { class: "file-icon", "aria-hidden": "true" }, ENDING[format] ?? format),
+            h("span", {}, h("strong", {}, title)),
+          ),
+        ),
+      ),
+    );
+  }
+}
+
+/** Machines want hairlines; on the screen every line is a pixel wide. */
+function withVisibleLines(svg) {
+  const drawing = new DOMParser().parseFromString(svg, "image/svg+xml");
+  for (const line of drawing.querySelectorAll("[stroke-width]")) {
+    line.setAttribute("stroke-width", "1");
+    line.setAttribute("vector-effect", "non-scaling-stroke");
+  }
+  return new XMLSerializer().serializeToString(drawing);
+}
+
+function sentences(...texts) {
+  return texts.filter(Boolean).map((text) => h("p", {}, `${text[0].toUpperCase()}${text.slice(1)}.`));
+}
+
+function summaryOf(totals) {
+  const figures = [
+    count(totals.sheets, "sheet"),
+    `${percent(totals.waste_share, 0)} waste`,
+    `${metres(totals.cut_mm)} to cut`,
+    totals.score_mm > 0 && `${metres(totals.score_mm)} to score`,
+    totals.minutes > 0 && `about ${duration(60 * totals.minutes)} on the machine`,
+  ];
+  return h("p", { class: "hint" }, figures.filter(Boolean).join(" · "));
+}
+
+function notes(warnings) {
+  if (!warnings?.length) return null;
+  return h(
+    "details",
+    { class: "notes" },
+    h("summary", {}, count(warnings.length, "note")),
+    h(
+      "ul",
+      {},
+      warnings.map((text) => h("li", { class: "hint" }, text)),
+    ),
+  );
+}
