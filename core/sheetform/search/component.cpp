@@ -108,10 +108,15 @@ class ComponentRun {
       search.remove_arches();
       search.smooth_what_allows();
       search.remove_arches();
-      search.improve(params_.improvements, params_.seed);
+      search.improve(tries(search), params_.seed);
       search.smooth_what_allows();
       search.remove_arches();
     }
+  }
+
+  // Few parts are soon tried out.
+  int tries(LayoutSearch& search) const {
+    return std::min(params_.improvements, 3 * static_cast<int>(search.layout().patches.size()));
   }
 
   // Final strips of the present layout; what breaks a promise is split, until nothing does.

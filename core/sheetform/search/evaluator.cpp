@@ -17,6 +17,8 @@ constexpr double kOutlineSlide = 0.0;
 // sharper the tolerance.
 constexpr double kStiffness = 8e-3;
 constexpr int kNarrowFaces = 12;
+constexpr double kTurnAlongPath = 50;  // degrees: where a path bends more, a patch has a corner
+constexpr double kFirm = 10;           // a corner that turns by so much more stays one when the patch grows
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -29,9 +31,9 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
 
 // Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one
 // path. Directions are taken over `reach` on either side, so that the answer does not depend on the sampling.
-std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon,
-                              double reach, double turn, bool every_node) {
-  std::vector<int> corners;
+void find_corners(const PatchLayout& layout, const Patch& patch, double reach, double turn, bool every_node,
+                  PatchEvaluation& e) {
+  const PatchPolygon& polygon = e.polygon;
   const int n = polygon.size();
   const auto away = [&](int i, int step) {
     int k = i;
@@ -43,11 +45,14 @@ std::vector<int> find_corners(const PatchLayout& layout, const Patch& patch, con
     if (!polygon.node[i]) continue;
     const Vector2 in = polygon.uv[i] - polygon.uv[away(i, -1)], out = polygon.uv[away(i, 1)] - polygon.uv[i];
     const double angle = std::abs(std::atan2(cross(in, out), in.dot(out)));
+    const ArchUse& use = patch.boundary[polygon.origin[i].use];
     const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
-    const double limit = path(i) != path((i + n - 1) % n) ? turn : std::max(turn, 50.0);
-    if (every_node || angle > limit * kDegree) corners.push_back(i);
+    const double limit = path(i) != path((i + n - 1) % n) ? turn : std::max(turn, kTurnAlongPath);
+    if (every_node || angle > limit * kDegree) e.corners.push_back(i);
+    const auto& vertices = layout.arches[use.arch].vertices;
+    if (every_node || angle > (limit + kFirm) * kDegree)
+      e.firm_corners.push_back(use.forward ? vertices.front() : vertices.back());
   }
-  return corners;
 }
 
 double stiffness(const EvaluationParams& params) {
@@ -366,8 +371,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     if (samples[use.arch].empty())
       samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
-  e->corners = find_corners(layout, patch, e->polygon, params_.corner_reach, params_.corner_turn,
-                            !params_.t_junctions);
+  find_corners(layout, patch, params_.corner_reach, params_.corner_turn, !params_.t_junctions, *e);
   if (static_cast<int>(e->corners.size()) > params_.max_sides)
     return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;

@@ -41,7 +41,7 @@ struct EvaluationParams {
   bool t_junctions = true;
   double spacing = 0.03;        ///< of arch samples
   double corner_reach = 0.03;   ///< length over which directions at nodes are taken
-  double corner_turn = 30;      ///< degrees: a node where a patch turns by more is a corner of it
+  double corner_turn = 45;      ///< degrees: a node where a patch turns by more is a corner (method.md 7.2)
   double normal_deviation = 0;  ///< degrees; 0 = no criterion
   RulingParams ruling;
   MorphParams morph;
@@ -64,7 +64,8 @@ struct PatchEvaluation {
   PatchVerdict verdict = PatchVerdict::kNotADisk;
   std::shared_ptr<const PatchChart> chart;
   PatchPolygon polygon;
-  std::vector<int> corners;  ///< polygon points
+  std::vector<int> corners;       ///< polygon points
+  std::vector<int> firm_corners;  ///< mesh vertices of those that no change elsewhere will make straight
   RulingSet rulings;
   std::vector<MorphSample> samples;  ///< unknown = polygon point
   double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout

@@ -408,6 +408,17 @@ std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges) const {
   return edges;
 }
 
+// Corners of the patches beside these edges that stay whatever becomes of the edges: tells without a chart.
+bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges) {
+  if (beside.size() > 2) return false;  // what becomes of them may be more than one patch
+  std::unordered_set<int> touched;
+  for (int e : edges) touched.insert({surface_.mesh.edges[e].v0, surface_.mesh.edges[e].v1});
+  int corners = 0;
+  for (int p : beside)
+    for (int v : evaluator_.patch(layout_, p)->firm_corners) corners += !touched.count(v);
+  return corners > params_.evaluation.max_sides;
+}
+
 // What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used
 // up or many sides result. Negative when it is not viable. Thread-safe.
 double LayoutSearch::merge_value(int arch) {
@@ -417,11 +428,12 @@ double LayoutSearch::merge_value(int arch) {
   double length = 0;
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
   const std::vector<int> beside = patches_beside(edges);
+  if (too_many_corners(beside, edges)) return -1;
   const auto fit = viable_region(trial, faces_of(beside));
   if (!fit) return -1;
-  const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.8 : 0.6;
+  const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.6 : 0.35;
   const double parts = static_cast<double>(beside.size()) - fit->patches;
-  const double flow = std::max(1 - 1.5 * fit->misalignment, 0.05);  // rulings that follow the shape
+  const double flow = std::max(1 - 3.0 * fit->misalignment, 0.05);  // rulings that follow the shape
   return (length + 0.15 * parts) * (1.05 - fit->error * fit->error) * side_factor * flow;
 }
 

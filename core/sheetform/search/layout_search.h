@@ -83,6 +83,7 @@ class LayoutSearch {
   Vector3 arch_direction(int edge, int v) const;
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges) const;
+  bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
   double merge_value(int arch);
   std::vector<std::pair<std::uint64_t, int>> removable_arches(const PatchLayout& now) const;
 
