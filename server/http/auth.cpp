@@ -33,15 +33,6 @@ std::string token_of(const RequestHead& head) {
   return cookie_value(head.field("cookie"));
 }
 
-std::optional<Principal> Gatekeeper::find(const std::string& token) {
-  const std::optional<TokenRecord> record = tokens_.find(token);
-  if (!record) return std::nullopt;
-  const std::lock_guard lock(mutex_);
-  const auto [known, fresh] = ids_.try_emplace(record->name, 0);
-  if (fresh) known->second = store_.principal_id(record->name);
-  return Principal{known->second, record->name, record->scopes};
-}
-
 std::string host_name(const std::string& host_field) {
   std::string host = lower(host_field);
   if (!host.empty() && host.front() == '[') return host.substr(1, std::min(host.find(']'), host.size()) - 1);

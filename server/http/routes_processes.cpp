@@ -39,11 +39,25 @@ std::string wait_as_preferred(const Exchange& x, ApiParts& parts, JobRecord& job
   return "wait=" + std::to_string(seconds);
 }
 
+/// The mesh of a client that was told to send a form (curl -d) has lost its line breaks; that is no fault of
+/// the file.
+Submitted submit(const Exchange& x, ApiParts& parts, UploadRequest& request) {
+  try {
+    return parts.service.submit(*request.upload, request.submission);
+  } catch (const Refusal& e) {
+    api::Problem p = e.problem();
+    if (p.type == api::ProblemType::kUnreadableMesh &&
+        x.head.field("content-type").rfind("application/x-www-form-urlencoded", 0) == 0)
+      p.fix = "with curl send the file by --data-binary @FILE; -d takes its line breaks away";
+    throw Refusal(p);
+  }
+}
+
 Answer execute(Exchange& x, ApiParts& parts) {
   require_process(x);
   parts.service.check_admission(x.principal.id);
   UploadRequest request = read_upload_request(x, parts.service);
-  Submitted submitted = parts.service.submit(*request.upload, request.submission);
+  Submitted submitted = submit(x, parts, request);
   request.upload.reset();
   const std::string applied = wait_as_preferred(x, parts, submitted.job);
   Answer answer = status_answer(parts, 201, submitted.job);

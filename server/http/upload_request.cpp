@@ -48,7 +48,7 @@ class Details {
     const api::ParameterDefinition* d = api::find_parameter(name);
     if (d == nullptr)
       throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
-                    "see /api/v1/processes/decompose", name.substr(0, 60));
+                    "there are " + all_names() + "; see /api/v1/processes/decompose", name.substr(0, 60));
     take_value(name, parameter_value(*d, value));
   }
   void take_json(const api::Json& parameters) {
@@ -73,6 +73,11 @@ class Details {
   }
 
  private:
+  static std::string all_names() {
+    std::string names = "tag, filename, cache";
+    for (const api::ParameterDefinition& d : api::parameter_definitions()) names += ", " + d.name;
+    return names;
+  }
   static api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) {
     try {
       return api::parameter_from_text(d, text);
@@ -98,8 +103,9 @@ class Details {
   bool refresh_ = false;
 };
 
-[[noreturn]] void refuse_body(const std::string& detail, const std::string& where = {}) {
-  throw Refusal(ProblemType::kMalformedRequest, detail, "see /api/v1/api", where);
+[[noreturn]] void refuse_body(const std::string& detail, const std::string& where = {},
+                              const std::string& fix = "see /api/v1/api") {
+  throw Refusal(ProblemType::kMalformedRequest, detail, fix, where);
 }
 
 std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
@@ -117,6 +123,9 @@ class Form {
   void begin(const PartHead& part) {
     part_ = part;
     field_.clear();
+    if (part.is_file && part.name != "mesh" && part.name != "request")
+      refuse_body("the part " + part.name.substr(0, 60) + " holds a file", part.name.substr(0, 60),
+                  "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl");
     if (part.name != "mesh") return;
     if (upload_) refuse_body("there is more than one part mesh", "mesh");
     upload_ = service_.begin_upload();
@@ -185,7 +194,9 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
   details.take_name(request.mesh_name);
   details.take_json(request.parameters);
   std::string bytes;
-  if (!from_base64(request.mesh_base64, bytes)) refuse_body("the mesh is not base64", "inputs.mesh");
+  if (!from_base64(request.mesh_base64, bytes))
+    refuse_body("the mesh is not base64", "inputs.mesh",
+                "give the bytes of the file in base64, without line breaks");
   std::unique_ptr<Upload> upload = service.begin_upload();
   upload->add(bytes);
   return upload;

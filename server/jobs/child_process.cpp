@@ -110,6 +110,14 @@ void give_or_null(SpawnPlan& plan, const Descriptor& fd, int as) {
 class Watch {
  public:
   Watch(const ChildTask& task, ChildReport& report) : task_(task), report_(report) { start(); }
+  /// Whoever stops listening (on_message threw) leaves no child behind.
+  ~Watch() {
+    if (gone_ || pid_ <= 0) return;
+    ::kill(-pid_, SIGKILL);
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) continue;
+  }
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
 
   void run() {
     while (!gone_) {

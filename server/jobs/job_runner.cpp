@@ -1,6 +1,7 @@
 #include "server/jobs/job_runner.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 
 #include <mutex>
@@ -13,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPersistEvery = 5;  // percent; finer progress is live only
+constexpr int kPersistEvery = 5;     // percent; finer progress is live only
+constexpr int kPublishAgain = 2000;  // milliseconds until a result that the store refused is tried again
 
 /// A folder that is gone when its owner is.
 class AttemptFolder {
@@ -59,11 +61,18 @@ class Listener {
     const int percent = std::min(99, static_cast<int>(p.fraction * 100));
     const bool keep = p.stage != stage || percent >= kept_ + kPersistEvery;
     stage = p.stage;
-    if (keep) {
-      kept_ = percent;
-      parts_.jobs.report_progress(claimed_, percent, p.stage, p.message);
-    }
+    if (keep) keep_progress(percent, p);
     parts_.bus.progress(claimed_.job.id, {claimed_.job.attempt, percent, p.stage, p.message}, keep);
+  }
+
+  /// A full disk takes no progress; the job goes on all the same.
+  void keep_progress(int percent, const WorkerMessage::Progress& p) {
+    try {
+      parts_.jobs.report_progress(claimed_, percent, p.stage, p.message);
+      kept_ = percent;
+    } catch (const StoreError& e) {
+      log_warning("progress could not be stored", {{"job", claimed_.job.id}, {"reason", e.what()}});
+    }
   }
 
   const RunnerParts& parts_;
@@ -154,20 +163,35 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
   }
 }
 
-/// Publishes, and turns a failure to do so into another verdict.
-Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                         const WorkerMessage::Result& result, Verdict verdict) {
+/// Whether the result is published; false when the store cannot take it now, and the reason in `why`.
+bool try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+                 const WorkerMessage::Result& result, std::string& why) {
   try {
     publish(parts, claimed, folder, result);
-    return verdict;
+    return true;
   } catch (const StoreError& e) {
-    verdict.action = Verdict::Action::kRequeue;
-    verdict.outcome = "io";
-    verdict.problem.detail =
-        e.kind() == StoreFailure::kFull ? "the server's disk is full" : "the store is busy";
-    // A full disk is not the job's fault: it waits until there is room, and nothing is counted against it.
-    verdict.counted_as = Requeue::kInterruption;
-    verdict.delay = 10 * kSecond;
+    if (e.kind() == StoreFailure::kRefused) throw;
+    why = e.kind() == StoreFailure::kFull ? "the server's disk is full" : "the store is busy";
+    return false;
+  }
+}
+
+/// Publishes, or turns a failure to do so into another verdict. A result that has been computed is not thrown
+/// away because the disk is full: it waits until there is room, or until the attempt is stopped.
+Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+                         const WorkerMessage::Result& result, const StopSignal& stop, Verdict verdict) {
+  std::string why;
+  try {
+    while (!try_publish(parts, claimed, folder, result, why)) {
+      log_warning("a result waits for the store", {{"job", claimed.job.id}, {"reason", why}});
+      pollfd stopped{stop.descriptor(), POLLIN, 0};
+      if (::poll(&stopped, 1, kPublishAgain) == 0) continue;
+      verdict.action = Verdict::Action::kRequeue;
+      verdict.outcome = "io";
+      verdict.problem.detail = why;
+      verdict.counted_as = Requeue::kInterruption;
+      return verdict;
+    }
   } catch (const std::runtime_error& e) {
     verdict.action = Verdict::Action::kFail;
     verdict.outcome = "failed";
@@ -209,7 +233,7 @@ void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const Stop
   Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), reason, claimed.job,
                                   listener.stage, parts.limits);
   if (verdict.action == Verdict::Action::kPublish)
-    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, verdict);
+    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, stop, verdict);
   parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,
                                    report.peak_rss, report.cpu_ms});
   act(parts, claimed, verdict);

@@ -86,6 +86,21 @@ void SlotPool::run_slot() {
   }
 }
 
+/// While the disk is full not even that can be written: tried again until it can, or the next start does it.
+void SlotPool::put_back(const ClaimedJob& claimed) {
+  for (;;) {
+    try {
+      parts_.jobs.requeue(claimed, Requeue::kError, now_us() + 10 * kSecond,
+                          "waiting again: the server had a problem");
+      return;
+    } catch (const StoreError& e) {
+      log_error("a job could not be put back", {{"job", claimed.job.id}, {"reason", e.what()}});
+    }
+    std::unique_lock lock(mutex_);
+    if (work_.wait_for(lock, kPoll, [this] { return draining_; })) return;
+  }
+}
+
 void SlotPool::run_one(const ClaimedJob& claimed) {
   const auto running = std::make_shared<Running>();
   {
@@ -100,8 +115,7 @@ void SlotPool::run_one(const ClaimedJob& claimed) {
     if (job && job->state == JobState::kRunning) run_attempt(parts_, claimed, running->stop, running->reason);
   } catch (const std::exception& e) {
     log_error("an attempt failed", {{"job", claimed.job.id}, {"reason", e.what()}});
-    parts_.jobs.requeue(claimed, Requeue::kError, now_us() + 10 * kSecond,
-                        "waiting again: the server had a problem");
+    put_back(claimed);
   }
   {
     const std::lock_guard lock(mutex_);

@@ -35,6 +35,7 @@ class SlotPool {
   };
   void run_slot();
   void run_one(const ClaimedJob& claimed);
+  void put_back(const ClaimedJob& claimed);
   void wait_for_work(std::unique_lock<std::mutex>& lock);
   void stop_all();
   static void stop_for_drain(Running& job);

@@ -77,6 +77,8 @@ InputStore::InputStore(const fs::path& data) : spool_(data / "spool"), folder_(d
   fs::create_directories(folder_);
   for (const fs::directory_entry& entry : fs::directory_iterator(spool_))
     if (entry.path().extension() == ".part") fs::remove(entry.path());
+  // The folders must outlive a power cut as well as what is put into them.
+  for (const fs::path& folder : {folder_.parent_path(), data}) sync_folder(folder);
 }
 
 fs::path InputStore::path_of(const std::string& digest) const {

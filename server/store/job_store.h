@@ -34,8 +34,6 @@ class JobStore {
   // --- running them
   /// Takes the next ready job, fair among principals, then in order of arrival.
   std::optional<ClaimedJob> claim(Microseconds now);
-  /// When the next waiting job that is held back becomes ready.
-  std::optional<Microseconds> next_ready() const;
   /// False when the attempt does not own the job any more. Also writes an event.
   bool report_progress(const ClaimedJob& claimed, int percent, const std::string& stage,
                        const std::string& message);

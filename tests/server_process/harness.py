@@ -71,19 +71,24 @@ class Server:
         options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
         self.process = subprocess.Popen([PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
                                         stdout=subprocess.DEVNULL, env=self.env)
-        if not wait:
-            return
+        self.begin = begin
+        if wait:
+            self.find_port()
+
+    def find_port(self):
+        """Waits until the process of the last start() serves."""
         deadline = time.monotonic() + 20
         while time.monotonic() < deadline and self.process.poll() is None:
-            match = re.search(rb'"msg":"serving".*?"url":"http://[^"]*:(\d+)"', self.log_bytes()[begin:])
+            match = re.search(rb'"msg":"serving".*?"url":"http://[^"]*:(\d+)"', self.log_bytes(self.begin))
             if match:
                 self.port = int(match.group(1))
                 return
             time.sleep(0.01)
-        raise AssertionError("the server did not start: " + self.log_bytes()[begin:].decode(errors="replace")[-2000:])
+        raise AssertionError("the server did not start: " + self.log_bytes(self.begin).decode(errors="replace")[-2000:])
 
-    def log_bytes(self):
+    def log_bytes(self, begin=0):
         with open(self.log.name, "rb") as f:
+            f.seek(begin)
             return f.read()
 
     def log_lines(self):

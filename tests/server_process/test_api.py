@@ -280,6 +280,33 @@ class Jobs(ServerCase):
         self.assertIn(b"start 1: refused", answer.body)
 
 
+class FirstSteps(ServerCase):
+    """What new users of curl do wrong; each answer says what to do instead."""
+    fake = False
+
+    def fix(self, body, query="", **headers):
+        answer = self.server.request("POST", EXECUTION + query, body, {k.replace("_", "-"): v for k, v in headers.items()})
+        self.assertGreaterEqual(answer.status, 400)
+        return answer.json()["fix"]
+
+    def test_form_data_of_curl(self):
+        body = arc().replace(b"\n", b"")  # as `curl -d @mesh.obj` sends it
+        self.assertIn("--data-binary", self.fix(body, Content_Type="application/x-www-form-urlencoded"))
+
+    def test_part_of_another_name(self):
+        part = b'--b\r\nContent-Disposition: form-data; name="file"; filename="a.obj"\r\n\r\n' + arc() + b"\r\n--b--\r\n"
+        self.assertIn("-F mesh=@", self.fix(part, Content_Type="multipart/form-data; boundary=b"))
+
+    def test_misspelt_parameter(self):
+        self.assertIn("e_max", self.fix(arc(), "?emax=0.1"))
+
+    def test_path_instead_of_content(self):
+        self.assertIn("base64", self.fix(b'{"inputs":{"mesh":"arc.obj"}}', Content_Type="application/json"))
+
+    def test_nothing_at_all(self):
+        self.assertIn("OBJ", self.fix(b""))
+
+
 class Downloads(ServerCase):
     @classmethod
     def setUpClass(cls):

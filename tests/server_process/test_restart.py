@@ -2,7 +2,6 @@
 import hashlib
 import json
 import os
-import random
 import shutil
 import signal
 import socket
@@ -102,44 +101,6 @@ class Restart(unittest.TestCase):
                 self.assertNotEqual(again.returncode, 0)
                 self.assertIn(b"database", again.stderr.splitlines()[-1])
                 os.unlink(server.log.name)
-
-
-class KillLoop(unittest.TestCase):
-    """T1 in short: kills at random moments under load; the long form is reliability/kill_loop.py."""
-    kills = 12
-
-    def test_nothing_acknowledged_is_lost(self):
-        rng = random.Random(11)
-        acknowledged, stop = {}, threading.Event()
-        with Server("--slots", "2", "--quiet") as server:
-            def submit_forever():
-                while not stop.is_set():
-                    mesh = unique_mesh()
-                    try:
-                        answer = server.request("POST", f"{EXECUTION}?filename=work-30.obj", mesh, timeout=5, check=False)
-                        if answer.status == 201:
-                            acknowledged[answer.json()["jobID"]] = hashlib.sha256(mesh).hexdigest()
-                    except Exception:
-                        time.sleep(0.01)  # the server is down just now
-            threads = [threading.Thread(target=submit_forever) for _ in range(4)]
-            for t in threads:
-                t.start()
-            try:
-                for _ in range(self.kills):
-                    time.sleep(rng.uniform(0.02, 0.4))
-                    server.restart(signal.SIGKILL)
-            finally:
-                stop.set()
-                for t in threads:
-                    t.join()
-            self.assertGreater(len(acknowledged), self.kills)
-            for job_id, digest in acknowledged.items():
-                job = server.wait(job_id, timeout=120)
-                self.assertEqual(job["status"], "successful", job)
-                self.assertEqual(job["inputs"]["mesh"]["sha256"], digest)
-                self.assertEqual(hashlib.sha256(server.get(f"/api/v1/jobs/{job_id}/input").body).hexdigest(), digest)
-                results = server.get(f"/api/v1/jobs/{job_id}/results").json()
-                self.assertEqual(list(results), ["layout.svg", "big.bin", "empty.txt"])
 
 
 class Drain(unittest.TestCase):

@@ -1,0 +1,195 @@
+"""Many at once: slow and idle clients, a long queue, large uploads, crashing jobs, storms of cancels, busy slots."""
+import hashlib
+import os
+import random
+import signal
+import socket
+import threading
+import time
+
+from trials import (EXECUTION, Server, expect, in_threads, latencies, percentile, trial, unique_mesh, until_idle)
+
+
+def connect(server, data=b"", receive_buffer=None):
+    s = socket.socket()
+    if receive_buffer:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+    s.settimeout(30)
+    s.connect(("127.0.0.1", server.port))
+    s.sendall(data)
+    return s
+
+
+def put_latencies(figures, name, times, most=None):
+    figures.put(**{f"{name}_p50": percentile(times, 0.5)})
+    figures.bar(f"{name}_p99", percentile(times, 0.99), most=most)
+
+
+@trial("T7", "200 idle clients, 200 that send their head byte by byte, 32 slow uploads, 64 slow readers")
+def slow_crowd(figures, long, rng):
+    crowd = (200, 200, 32, 64) if long else (60, 60, 8, 16)
+    with Server("--slots", "1", "--quiet") as server:
+        job = server.wait(server.submit()["jobID"])["jobID"]
+        put_latencies(figures, "alone", latencies(server.port, "/api/v1/jobs", 300 if long else 50))
+        memory, stop = server.memory(), threading.Event()
+        held = [connect(server) for _ in range(crowd[0])]
+        dripping = [connect(server, b"GET /healthz HTTP/1.1\r\nHost: loc") for _ in range(crowd[1])]
+        held += [connect(server, f"POST {EXECUTION} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\nv 0 ".encode())
+                 for _ in range(crowd[2])]
+        held += [connect(server, f"GET /api/v1/jobs/{job}/results/big.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode(), 4096)
+                 for _ in range(crowd[3])]
+
+        def drip():
+            while not stop.wait(0.5):
+                for s in dripping:
+                    try:
+                        s.send(b"a")
+                    except OSError:
+                        pass  # given up by the server, as it should be
+        thread = threading.Thread(target=drip)
+        thread.start()
+        try:
+            times = latencies(server.port, "/api/v1/jobs", 1500 if long else 100)
+        finally:
+            stop.set()
+            thread.join()
+        put_latencies(figures, "beside", times, most=0.1)
+        figures.bar("memory_growth_mib", (server.memory() - memory) / 2**20, most=64)
+        for s in held + dripping:
+            s.close()
+        expect(server.get("/healthz").status == 200, "the server is not well afterwards")
+
+
+@trial("T10", "a long queue: accepted quickly, listed quickly, ready quickly after kill -9, worked off in order")
+def long_queue(figures, long, rng):
+    count, clients = (10000, 8) if long else (60, 4)
+    with Server("--slots", "1", "--quiet") as server:
+        blocker = server.submit(name="deaf.obj")["jobID"]
+        server.wait(blocker, until=("running",))
+
+        def send(i):
+            for _ in range(count // clients):
+                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
+                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
+        begun = time.monotonic()
+        in_threads(clients, send)
+        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=300)
+        figures.put(queued=count)
+        put_latencies(figures, "list_of_100", latencies(server.port, "/api/v1/jobs?limit=100", 200 if long else 20), most=0.1)
+        put_latencies(figures, "one_job", latencies(server.port, f"/api/v1/jobs/{blocker}", 200 if long else 20), most=0.05)
+        figures.bar("memory_mib", server.memory() / 2**20, most=200)
+        server.stop(signal.SIGKILL)
+        begun = time.monotonic()
+        server.start()
+        figures.bar("ready_after_kill_seconds", time.monotonic() - begun, most=2)
+        server.wait(blocker, until=("running",))
+        server.request("DELETE", f"/api/v1/jobs/{blocker}", check=False)
+        begun = time.monotonic()
+        until_idle(server, 60 + count)
+        figures.put(worked_off_per_second=count / (time.monotonic() - begun))
+        path = f"/api/v1/jobs?limit=1&status=successful"
+        expect(server.get(path).json()["jobs"], "no job is successful")
+        metrics = server.get("/metrics").body.decode()
+        expect(f'sheetform_jobs{{state="successful"}} {count}\n' in metrics, "not all jobs are successful")
+
+
+@trial("T11", "32 large uploads at once: every digest right, memory flat")
+def large_uploads(figures, long, rng):
+    size, count = (64 << 20, 32) if long else (2 << 20, 8)
+    block = random.Random(7).randbytes(1 << 20)
+    with Server("--slots", "1", "--quiet") as server:
+        peak, stop = [server.memory()], threading.Event()
+
+        def watch():
+            while not stop.wait(0.05):
+                peak[0] = max(peak[0], server.memory())
+        watcher = threading.Thread(target=watch)
+        watcher.start()
+
+        def send(i):
+            def pieces():
+                for _ in range(size // len(block)):
+                    yield block
+                yield b"%d" % i
+            digest = hashlib.sha256()
+            for piece in pieces():
+                digest.update(piece)
+            answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", pieces(), timeout=600, check=False)
+            expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
+            expect(answer.json()["inputs"]["mesh"]["sha256"] == digest.hexdigest(), "a digest is wrong")
+            return answer.json()["jobID"]
+        begun = time.monotonic()
+        jobs = in_threads(count, send)
+        seconds = time.monotonic() - begun
+        stop.set()
+        watcher.join()
+        figures.put(uploads=count, mib_each=size >> 20, mib_per_second=count * (size >> 20) / seconds)
+        figures.bar("memory_peak_mib", peak[0] / 2**20, most=150)
+        expect(len(set(jobs)) == count, "two uploads became one job")
+
+
+WAYS = {"memory": "memory-limit", "abort": "worker-crashed", "refuse": "unsupported-mesh", "nothing": "algorithm-failed",
+        "exit": "algorithm-failed", "missing": "algorithm-failed", "link": "algorithm-failed", "none": "algorithm-failed",
+        "flood": "algorithm-failed", "segv": "worker-crashed", "kill": "memory-limit", "spin": "time-limit", "deaf": "time-limit"}
+
+
+@trial("T12", "jobs that crash, spin, flood and lie among good ones: each told apart, nobody else harmed")
+def crashing_jobs(figures, long, rng):
+    rounds, ways = (12, sorted(WAYS)) if long else (1, sorted(set(WAYS) - {"spin", "deaf"}))  # those take their whole time
+    with Server("--slots", "8", "--job-seconds", "20" if long else "120", "--job-memory", "128", "--quiet") as server:
+        pid, bad, good = server.process.pid, [], []
+        for _ in range(rounds):
+            for way in rng.sample(ways, len(ways)):
+                bad.append((way, server.submit(name=f"{way}.obj")["jobID"]))
+                good.append(server.submit(name="work-20.obj")["jobID"])
+        for way, job_id in bad:
+            job = server.wait(job_id, timeout=600)
+            expect(job["status"] == "failed" and job["exception"]["type"].endswith(WAYS[way]), f"{way}: {job}")
+            expect(job["attempt"] <= 3, f"{way} was started {job['attempt']} times")
+        for job_id in good:
+            expect(server.wait(job_id, timeout=600)["status"] == "successful", "a good job was harmed")
+        expect(server.process.pid == pid and server.process.poll() is None, "the server died")
+        expect(not server.children() and not os.listdir(server.data + "/work"), "something is left behind")
+        figures.put(bad=len(bad), good=len(good))
+
+
+@trial("T13", "cancels at random moments and in storms: the job's process is gone within a second, nothing is left")
+def cancels(figures, long, rng):
+    gone = []
+    with Server("--slots", "2", "--quiet") as server:
+        for i in range(200 if long else 8):
+            job_id = server.submit(name="deaf.obj" if i % 5 == 0 else "work-800.obj")["jobID"]
+            time.sleep(rng.random() * 0.9)
+            begun = time.monotonic()
+            expect(server.request("DELETE", f"/api/v1/jobs/{job_id}", check=False).status == 200, "a cancel was refused")
+            while server.children():
+                time.sleep(0.005)
+                expect(time.monotonic() - begun < 20, "a cancelled process does not end")
+            gone.append(time.monotonic() - begun)
+        figures.put(cancels=len(gone), gone_median=percentile(gone, 0.5))
+        figures.bar("gone_worst_seconds", max(gone), most=1)
+        storm = 500 if long else 40
+        ids = in_threads(10, lambda i: [server.submit(name="work-300.obj")["jobID"] for _ in range(storm // 10)])
+        ids = [i for some in ids for i in some]
+        answers = in_threads(10, lambda i: [server.request("DELETE", f"/api/v1/jobs/{j}", check=False).status for j in ids[i::10]])
+        expect({s for some in answers for s in some} == {200}, "a cancel of the storm was refused")
+        until_idle(server, 60)
+        time.sleep(1)
+        expect(not server.children() and not os.listdir(server.data + "/work"), "something is left behind")
+        expect(server.wait(server.submit()["jobID"])["status"] == "successful", "no job runs any more")
+        figures.put(storm=storm)
+
+
+@trial("T18", "all slots busy: other requests stay quick")
+def busy_slots(figures, long, rng):
+    slots = os.cpu_count() or 2
+    with Server("--slots", str(slots), "--quiet") as server:
+        spinning = [server.submit(name="spin.obj")["jobID"] for _ in range(slots)]
+        for job_id in spinning:
+            server.wait(job_id, until=("running",))
+        count = 1000 if long else 60
+        put_latencies(figures, "list", latencies(server.port, "/api/v1/jobs", count), most=0.1)
+        put_latencies(figures, "health", latencies(server.port, "/healthz", count), most=0.1)
+        for job_id in spinning:
+            server.request("DELETE", f"/api/v1/jobs/{job_id}", check=False)
+        figures.put(slots=slots)

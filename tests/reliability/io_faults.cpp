@@ -1,0 +1,116 @@
+// Preloaded into a server (LD_PRELOAD): makes syncs fail, the disk full and the clock jump, without any
+// privilege. What to do is told by the environment; the jobs' processes do not inherit it.
+//   FAULT_SYNC=N      the N-th fsync or fdatasync of the process fails with EIO; FAULT_FIRED=FILE is made
+//   then FAULT_FULL=FILE   while FILE exists, nothing can be written into files on the device of
+//   FAULT_FOLDER, and no space is free FAULT_CLOCK=FILE  eight bytes, a number of nanoseconds that is added
+//   to the wall clock
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+
+namespace {
+
+template <class Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
+}
+
+std::atomic<long> syncs{0};
+
+/// Whether this sync is the one that fails.
+bool sync_fails() {
+  static const char* const wanted = std::getenv("FAULT_SYNC");
+  if (wanted == nullptr || ++syncs != std::atol(wanted)) return false;
+  if (const char* mark = std::getenv("FAULT_FIRED")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600));
+  errno = EIO;
+  return true;
+}
+
+bool disk_is_full() {
+  static const char* const flag = std::getenv("FAULT_FULL");
+  return flag != nullptr && ::access(flag, F_OK) == 0;
+}
+
+bool on_that_disk(int fd) {
+  static const dev_t device = [] {
+    struct stat s {};
+    const char* folder = std::getenv("FAULT_FOLDER");
+    return folder != nullptr && ::stat(folder, &s) == 0 ? s.st_dev : dev_t{0};
+  }();
+  struct stat s {};
+  return fd > 2 && ::fstat(fd, &s) == 0 && S_ISREG(s.st_mode) && s.st_dev == device;
+}
+
+bool write_fails(int fd) {
+  const int before = errno;
+  const bool fails = disk_is_full() && on_that_disk(fd);
+  errno = fails ? ENOSPC : before;
+  return fails;
+}
+
+std::int64_t clock_offset() {
+  static const std::int64_t* const offset = [] {
+    static const std::int64_t none = 0;
+    const char* file = std::getenv("FAULT_CLOCK");
+    const int fd = file == nullptr ? -1 : ::open(file, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return &none;
+    void* place = ::mmap(nullptr, sizeof(std::int64_t), PROT_READ, MAP_SHARED, fd, 0);
+    ::close(fd);
+    return place == MAP_FAILED ? &none : static_cast<const std::int64_t*>(place);
+  }();
+  return *static_cast<const volatile std::int64_t*>(offset);
+}
+
+}  // namespace
+
+extern "C" {
+
+int fsync(int fd) {
+  static auto* const real = next<int(int)>("fsync");
+  return sync_fails() ? -1 : real(fd);
+}
+
+int fdatasync(int fd) {
+  static auto* const real = next<int(int)>("fdatasync");
+  return sync_fails() ? -1 : real(fd);
+}
+
+ssize_t write(int fd, const void* data, size_t size) {
+  static auto* const real = next<ssize_t(int, const void*, size_t)>("write");
+  return write_fails(fd) ? -1 : real(fd, data, size);
+}
+
+ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
+  static auto* const real = next<ssize_t(int, const void*, size_t, off_t)>("pwrite");
+  return write_fails(fd) ? -1 : real(fd, data, size, at);
+}
+
+ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) { return pwrite(fd, data, size, at); }
+
+int statvfs(const char* path, struct statvfs* space) noexcept {
+  static auto* const real = next<int(const char*, struct statvfs*)>("statvfs");
+  const int answer = real(path, space);
+  if (disk_is_full()) space->f_bavail = space->f_bfree = 0;
+  return answer;
+}
+
+int clock_gettime(clockid_t clock, struct timespec* now) noexcept {
+  static auto* const real = next<int(clockid_t, struct timespec*)>("clock_gettime");
+  const int answer = real(clock, now);
+  if (clock != CLOCK_REALTIME || answer != 0) return answer;
+  const std::int64_t moved = now->tv_sec * 1'000'000'000 + now->tv_nsec + clock_offset();
+  now->tv_sec = moved / 1'000'000'000;
+  now->tv_nsec = moved % 1'000'000'000;
+  return answer;
+}
+
+}  // extern "C"

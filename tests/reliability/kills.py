@@ -1,0 +1,180 @@
+"""Sudden ends: kill -9, failing syncs, a full disk, a clock that jumps."""
+import hashlib
+import os
+import signal
+import threading
+import time
+
+from trials import (EXECUTION, FaultyServer, Server, all_jobs, expect, integrity, trial, unique_mesh, until_idle,
+                    verify_results)
+
+
+LONG_KILLS = 2000  # reliability.py --kills
+
+
+class Submitters:
+    """Threads that send jobs as long as they may, and remember what was acknowledged."""
+
+    def __init__(self, server, count, pause):
+        self.server, self.pause = server, pause
+        self.acknowledged, self.refused = {}, 0
+        self.stop = threading.Event()
+        self.threads = [threading.Thread(target=self.run) for _ in range(count)]
+
+    def run(self):
+        while not self.stop.wait(self.pause):
+            mesh = unique_mesh()
+            try:
+                answer = self.server.request("POST", f"{EXECUTION}?filename=work-30.obj", mesh, timeout=20, check=False)
+            except Exception:
+                continue  # the server is down just now
+            if answer.status == 201:
+                self.acknowledged[answer.json()["jobID"]] = hashlib.sha256(mesh).hexdigest()
+            else:
+                self.refused += 1
+
+    def __enter__(self):
+        for t in self.threads:
+            t.start()
+        return self
+
+    def __exit__(self, *unused):
+        self.stop.set()
+        for t in self.threads:
+            t.join()
+
+
+def verify_acknowledged(server, acknowledged, figures, files=True):
+    """P1 to P4 of every acknowledged job."""
+    until_idle(server, 60 + len(acknowledged))
+    jobs = all_jobs(server)
+    lost = [i for i in acknowledged if i not in jobs]
+    expect(not lost, f"{len(lost)} acknowledged jobs are lost: {lost[:3]}")
+    for job_id, digest in acknowledged.items():
+        job = jobs[job_id]
+        expect(job["status"] == "successful", f"{job_id} is {job['status']}: {job.get('exception')}")
+        expect(job["inputs"]["mesh"]["sha256"] == digest, f"{job_id} has another mesh")
+        if files:
+            body = server.request("GET", f"/api/v1/jobs/{job_id}/input", check=False).body
+            expect(hashlib.sha256(body).hexdigest() == digest, f"the upload of {job_id} is damaged")
+            expect(verify_results(server, job_id) == 3, f"the result of {job_id} is not complete")
+    figures.put(acknowledged=len(acknowledged), lost=0, jobs=len(jobs), unacknowledged=len(jobs) - len(acknowledged),
+                started_again=sum(job["attempt"] - 1 for job in jobs.values()))
+
+
+@trial("T1", "kill -9 at random moments: nothing acknowledged is lost")
+def kill_loop(figures, long, rng):
+    kills, ready = (LONG_KILLS if long else 10), []
+    with Server("--slots", "2", "--quiet") as server:
+        with Submitters(server, 4, 0.2 if long else 0.01) as submitters:
+            for _ in range(kills):
+                time.sleep(rng.uniform(0.02, 0.4))
+                server.stop(signal.SIGKILL)
+                begun = time.monotonic()
+                server.start()
+                ready.append(time.monotonic() - begun)
+        expect(submitters.acknowledged, "the server acknowledged nothing")
+        verify_acknowledged(server, submitters.acknowledged, figures)
+        server.stop()
+        integrity(server.data)
+    figures.put(kills=kills, ready_median=sorted(ready)[kills // 2], ready_worst=max(ready))
+
+
+def session(server, count):
+    """Sends jobs until the server refuses or dies; what was acknowledged."""
+    acknowledged = {}
+    for _ in range(count):
+        mesh = unique_mesh()
+        try:
+            answer = server.request("POST", f"{EXECUTION}?filename=work-10.obj", mesh, timeout=20, check=False)
+            if answer.status == 201:
+                acknowledged[answer.json()["jobID"]] = hashlib.sha256(mesh).hexdigest()
+            else:
+                expect(answer.status in (500, 503, 507), f"a failing disk is told by {answer.status}")
+        except (OSError, __import__("http.client", fromlist=["x"]).HTTPException):
+            break
+    return acknowledged
+
+
+@trial("T4", "the N-th sync fails: the process ends with status 74, nothing acknowledged is lost")
+def failing_syncs(figures, long, rng):
+    statuses, total, number, survived = {}, 0, 0, 0
+    numbers = range(1, 10000) if long else sorted(rng.sample(range(1, 40), 6))
+    for number in numbers:
+        server = FaultyServer("--slots", "1", "--quiet", sync=number, wait=False)
+        with server:
+            acknowledged = {}
+            try:
+                server.find_port()
+                acknowledged = session(server, 4)
+                if server.process.poll() is None:
+                    until_idle(server, 60) if not server.fired() else server.process.wait(20)
+            except (AssertionError, OSError, ValueError):
+                if server.process.poll() is None:
+                    server.process.wait(20)  # it dies of the failed sync
+            fired = server.fired()
+            status = server.stop() if server.process.poll() is None else server.process.returncode
+            if fired:
+                statuses[status] = statuses.get(status, 0) + 1
+                expect(status in (74, 70, 78), f"sync {number} failed and the status is {status}")
+            else:
+                survived += 1
+            server.healthy()
+            server.start()
+            verify_acknowledged(server, acknowledged, figures)
+            server.stop()
+            integrity(server.data)
+            total += len(acknowledged)
+        if long and not fired:
+            break
+    figures.put(syncs_tried=number, statuses=str(statuses), without_fault=survived, acknowledged=total)
+
+
+@trial("T5", "a full disk: uploads are refused, reading goes on, jobs wait for room and then end well")
+def full_disk(figures, long, rng):
+    with FaultyServer("--slots", "2", "--quiet") as server:
+        old = server.wait(server.submit()["jobID"])["jobID"]
+        running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
+        waiting = [server.submit()["jobID"] for _ in range(3)]
+        for job_id in running:
+            server.wait(job_id, until=("running",))
+        server.full(True)
+        begun, refused = time.monotonic(), 0
+        while time.monotonic() - begun < (20 if long else 4):
+            answer = server.request("POST", EXECUTION, unique_mesh(), check=False)
+            expect((answer.status, answer.slug()) == (507, "disk-full"), f"an upload got {answer.status} {answer.body[:200]}")
+            refused += 1
+            expect(verify_results(server, old) == 3, "the old result cannot be read")
+            expect(server.request("GET", "/api/v1/jobs", check=False).status == 200, "the list cannot be read")
+            time.sleep(0.05)
+        expect(server.request("GET", "/healthz", check=False).status == 200, "a full disk is no bad health")
+        expect(not os.listdir(server.data + "/spool"), "unfinished uploads are left")
+        states = {server.job(i)["status"] for i in running + waiting}
+        expect(states <= {"accepted", "running"}, f"jobs ended on a full disk: {states}")
+        server.full(False)
+        begun = time.monotonic()
+        for job_id in running + waiting:
+            job = server.wait(job_id, timeout=120)
+            expect(job["status"] == "successful", f"after the disk had room again: {job}")
+        figures.put(uploads_refused=refused, seconds_until_all_had_ended=time.monotonic() - begun,
+                    computed_twice=sum(server.job(i)["attempt"] - 1 for i in running + waiting))
+        server.wait(server.submit()["jobID"])
+        server.stop()
+        integrity(server.data)
+
+
+@trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or is removed")
+def clock_jumps(figures, long, rng):
+    with FaultyServer("--slots", "1", "--quiet") as server:
+        jobs = []
+        for step in ([3600, -3600, 0, 7200, -86400] if long else [-3600, 3600]):
+            running = server.submit(name="work-2000.obj")["jobID"]
+            jobs += [running, server.submit()["jobID"]]
+            server.wait(running, until=("running",))
+            server.clock(step)
+            jobs.append(server.submit()["jobID"])
+            for job_id in jobs:
+                expect(server.wait(job_id)["status"] == "successful", "a job did not end")
+        attempts = [server.job(i)["attempt"] for i in jobs]
+        expect(set(attempts) == {1}, f"jobs ran again: {attempts}")
+        figures.put(jobs=len(jobs))

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""How dependable the service is, with figures. Every trial starts real server processes and treats them badly.
+
+    reliability.py [--short] [--only T1 T7 ...] [--seed N] [--kills N] [--report FILE]
+
+The long form takes about an hour on two cores; --short is the part of it that the default tests run. In the long form a
+missed bar (a promise about time or memory) is a failure too. Needs SHEETFORM, FAKE_WORKER and IO_FAULTS in the
+environment (the programs and the library that the build makes); IO_FAULTS may be empty, its trials are skipped then.
+"""
+import argparse
+import json
+import os
+import platform
+import sys
+import time
+import traceback
+
+import crowds  # noqa: F401
+import kills
+import streams  # noqa: F401
+from trials import TRIALS, Figures, Skip, seeded
+
+
+def run(code, title, function, long, seed):
+    figures, begun, verdict, why = Figures(), time.monotonic(), "passed", ""
+    try:
+        function(figures, long, seeded(seed, code))
+        if long and figures.missed:
+            verdict, why = "missed", "; ".join(figures.missed)
+    except Skip as e:
+        verdict, why = "skipped", str(e)
+    except Exception as e:
+        place = traceback.extract_tb(e.__traceback__)[-1]
+        verdict, why = "FAILED", f"{os.path.basename(place.filename)}:{place.lineno}: {type(e).__name__}: {e}"[:1000]
+    return {"code": code, "title": title, "verdict": verdict, "why": why, "seconds": round(time.monotonic() - begun, 1),
+            "figures": figures.values}
+
+
+def show(entry):
+    print(f"{entry['code']:5} {entry['verdict']:8} {entry['seconds']:7.1f} s  {entry['title']}")
+    print("      " + ", ".join(f"{name} {value}" for name, value in entry["figures"].items()))
+    if entry["why"]:
+        print("      " + entry["why"])
+    sys.stdout.flush()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--only", nargs="+", metavar="CODE", default=[])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kills", type=int, default=kills.LONG_KILLS, help="of T1's long form; several runs with other seeds add up")
+    parser.add_argument("--report", help="JSON file to write")
+    options = parser.parse_args()
+    unknown = set(options.only) - {code for code, _, _ in TRIALS}
+    if unknown:
+        sys.exit(f"there is no trial {', '.join(sorted(unknown))}; there are {', '.join(code for code, _, _ in TRIALS)}")
+    if not os.environ.get("SHEETFORM"):
+        sys.exit("SHEETFORM must name the program")
+    kills.LONG_KILLS = options.kills
+    entries = []
+    for code, title, function in TRIALS:
+        if not options.only or code in options.only:
+            entries.append(run(code, title, function, not options.short, options.seed))
+            show(entries[-1])
+    if options.report:
+        with open(options.report, "w") as f:
+            json.dump({"form": "short" if options.short else "long", "seed": options.seed, "cores": os.cpu_count(),
+                       "system": platform.platform(), "trials": entries}, f, indent=1)
+    bad = [e["code"] for e in entries if e["verdict"] in ("FAILED", "missed")]
+    print(f"{len(entries)} trials, {len(bad)} failed" + (": " + ", ".join(bad) if bad else ""))
+    sys.exit(1 if bad else 0)
+
+
+if __name__ == "__main__":
+    main()
