@@ -32,7 +32,7 @@ enum class MeshSurface { kOutside, kMiddle, kInside };
 enum class Grain { kAny, kAlongRulings, kAcrossRulings };
 enum class Oversize { kRefuse, kSplit };
 
-/// How a blueprint is made. Every field can be given by name in a query (blueprint_options.h).
+/// How a blueprint is made. Every field can be given by name in a query (exports.h), within option_limits.h.
 struct BlueprintOptions {
   double sheet_width = 0, sheet_height = 0;  ///< mm; 0: one sheet as large as the parts need
   double margin = 5;                         ///< mm, free at every edge of a sheet
@@ -76,6 +76,7 @@ struct BlueprintOptions {
 struct BlueprintOrigin {
   std::string version, job, model, input_digest, link;
   std::string parameters;  ///< JSON text of the decomposition's parameters
+  std::string request;     ///< JSON text of the download's format and parameters
 };
 
 struct BlueprintLine {

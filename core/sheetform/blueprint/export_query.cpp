@@ -1,19 +1,25 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/exports.h"
 #include "sheetform/blueprint/materials.h"
+#include "sheetform/blueprint/option_limits.h"
 #include "sheetform/blueprint/text.h"
 
 namespace sheetform {
 namespace {
 
-/// One parameter of a query: how it is read, what it is otherwise.
+/// One parameter of a query: how it is described and how it is read.
 struct Entry {
   ExportParameter described;
   std::function<void(ExportRequest&, const std::string&)> read;
+  Entry only_for(std::vector<std::string> formats) && {
+    described.formats = std::move(formats);
+    return std::move(*this);
+  }
 };
 
 [[noreturn]] void refuse(const std::string& name, const std::string& wanted) {
@@ -21,237 +27,242 @@ struct Entry {
               "Correct the value or leave it out");
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
 double number(const std::string& name, const std::string& value) {
   double x = 0;
   const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), x);
   if (code != std::errc() || end != value.data() + value.size() || !std::isfinite(x))
     refuse(name, "a number");
+  require_in_range(x, name);
   return x;
 }
 
-double number_between(const std::string& name, const std::string& value, double low, double high) {
+int whole(const std::string& name, const std::string& value) {
   const double x = number(name, value);
-  if (!(x >= low && x <= high)) refuse(name, "a number from " + rounded(low, 3) + " to " + rounded(high, 3));
-  return x;
+  if (x != std::floor(x)) refuse(name, "a whole number");
+  return static_cast<int>(x);
 }
 
-Entry real(const char* name, const char* text, double BlueprintOptions::*field) {
-  return {{name, rounded(BlueprintOptions{}.*field, 4), text, {}},
-          [name, field](ExportRequest& r, const std::string& v) { r.blueprint.*field = number(name, v); }};
+// A number of the part of a request that `in` names: blueprint, pdf or frame.
+template <class Options>
+Entry real(const char* name, const char* unit, const char* text, Options ExportRequest::*in,
+           double Options::*field) {
+  const OptionLimits& limits = limits_of(name);
+  return {{name, rounded(Options{}.*field, 4), text, "number", unit, "", limits.low, limits.high},
+          [=](ExportRequest& r, const std::string& v) { r.*in.*field = number(name, v); }};
+}
+
+Entry real(const char* name, const char* unit, const char* text, double BlueprintOptions::*field) {
+  return real(name, unit, text, &ExportRequest::blueprint, field);
 }
 
 Entry integer(const char* name, const char* text, int BlueprintOptions::*field) {
-  return {{name, std::to_string(BlueprintOptions{}.*field), text, {}},
-          [name, field](ExportRequest& r, const std::string& v) {
-            const double x = number(name, v);
-            if (x != std::floor(x) || std::abs(x) > 1e6) refuse(name, "a whole number");
-            r.blueprint.*field = static_cast<int>(x);
-          }};
+  const OptionLimits& limits = limits_of(name);
+  return {{name, std::to_string(BlueprintOptions{}.*field), text, "integer", "", "", limits.low, limits.high},
+          [=](ExportRequest& r, const std::string& v) { r.blueprint.*field = whole(name, v); }};
 }
 
-bool truth(const std::string& name, const std::string& value) {
-  if (value == "on" || value == "true" || value == "1") return true;
-  if (value == "off" || value == "false" || value == "0") return false;
-  refuse(name, "on or off");
+template <class T>
+Entry choice(const char* name, const char* text, std::function<T&(ExportRequest&)> field,
+             std::vector<std::pair<std::string, T>> values, const char* type = "choice") {
+  ExportParameter described{name, "", text, type, "", ""};
+  ExportRequest plain;
+  for (const auto& [word, value] : values) {
+    described.values.push_back(word);
+    if (value == field(plain)) described.otherwise = word;
+  }
+  const std::string list = joined(described.values);
+  return {std::move(described), [=, values = std::move(values)](ExportRequest& r, const std::string& v) {
+            for (const auto& [word, value] : values)
+              if (word == v) return void(field(r) = value);
+            refuse(name, "one of " + list);
+          }};
 }
 
 template <class T>
 Entry choice(const char* name, const char* text, T BlueprintOptions::*field,
              std::vector<std::pair<std::string, T>> values) {
-  std::string list, otherwise;
-  std::vector<std::string> words;
-  for (const auto& [word, value] : values) {
-    words.push_back(word);
-    list += (list.empty() ? "" : ", ") + word;
-    if (value == BlueprintOptions{}.*field) otherwise = word;
-  }
-  const std::string described = std::string(text) + ": " + list;
-  return {{name, otherwise, described, words},
-          [name, field, values = std::move(values), list](ExportRequest& r, const std::string& v) {
-            for (const auto& [word, value] : values)
-              if (word == v) return void(r.blueprint.*field = value);
-            refuse(name, "one of " + list);
+  return choice<T>(
+      name, text, [=](ExportRequest& r) -> T& { return r.blueprint.*field; }, std::move(values));
+}
+
+Entry on_or_off(const char* name, const char* text, std::function<bool&(ExportRequest&)> field) {
+  return choice<bool>(name, text, std::move(field), {{"on", true}, {"off", false}}, "switch");
+}
+
+std::optional<SheetSize> find_size(std::string_view name);
+
+// A preset, WIDTHxHEIGHT in mm, or a word for a size of zero.
+Entry size(const char* name, const char* zero, const char* text,
+           std::function<void(ExportRequest&, SheetSize)> take) {
+  ExportParameter described{name, zero, text, "size", "mm", ""};
+  described.values.push_back(zero);
+  for (const auto& preset : sheet_presets()) described.values.push_back(preset.first);
+  const std::string list = joined(described.values);
+  return {std::move(described), [=](ExportRequest& r, const std::string& v) {
+            const std::optional<SheetSize> found = v == zero ? SheetSize{0, 0} : find_size(v);
+            if (!found) refuse(name, list + " or WIDTHxHEIGHT in mm");
+            take(r, *found);
           }};
 }
 
-Entry other(const char* name, const char* otherwise, const char* text,
-            std::function<void(ExportRequest&, const std::string&)> read) {
-  return {{name, otherwise, text, {}}, std::move(read)};
-}
-
-Entry with_choices(Entry entry, std::vector<std::string> choices, bool open = false) {
-  entry.described.choices = std::move(choices);
-  entry.described.open = open;
-  return entry;
-}
-
-Entry on_or_off(const char* name, const char* otherwise, const char* text,
-                std::function<void(ExportRequest&, bool)> set) {
-  return with_choices(other(name, otherwise, text,
-                            [name = std::string(name), set = std::move(set)](
-                                ExportRequest& r, const std::string& v) { set(r, truth(name, v)); }),
-                      {"on", "off"});
-}
-
-/// `first` and the presets; other sizes are taken too.
-std::vector<std::string> sizes_and(const char* first) {
-  std::vector<std::string> words{first};
-  for (const auto& preset : sheet_presets()) words.push_back(preset.first);
-  return words;
-}
-
-std::vector<std::string> profile_names() {
-  std::vector<std::string> words;
-  for (const Profile& p : built_in_profiles()) words.push_back(p.name);
-  return words;
-}
-
-std::vector<std::string> material_names() {
-  std::vector<std::string> words;
-  for (const Material& m : materials()) words.push_back(m.name);
-  return words;
-}
-
 std::vector<Entry> sheet_entries() {
+  using O = BlueprintOptions;
+  const OptionLimits& sheets = limits_of("sheet");
   return {
-      with_choices(
-          other("sheet_size", "auto",
-                "Sheet: a preset, WIDTHxHEIGHT in mm, or auto for one page as large as the parts need",
-                [](ExportRequest& r, const std::string& v) {
-                  const SheetSize size = v == "auto" ? SheetSize{0, 0} : sheet_size_named(v);
-                  r.blueprint.sheet_width = size.width, r.blueprint.sheet_height = size.height;
-                }),
-          sizes_and("auto"), true),
-      real("margin", "mm free at every edge of a sheet", &BlueprintOptions::margin),
-      real("gap", "mm between any two parts", &BlueprintOptions::gap),
-      integer("turns", "Angles that nesting tries, 1 to 64", &BlueprintOptions::turns),
+      size("sheet_size", "auto", "Sheet; auto is one page as large as the parts need",
+           [](ExportRequest& r, SheetSize s) {
+             r.blueprint.sheet_width = s.width, r.blueprint.sheet_height = s.height;
+           }),
+      real("margin", "mm", "Free at every edge of a sheet", &O::margin),
+      real("gap", "mm", "Between any two parts", &O::gap),
+      integer("turns", "Angles that nesting tries", &O::turns),
       choice<Grain>(
-          "grain", "Direction of the sheet's grain to the rulings", &BlueprintOptions::grain,
+          "grain", "Direction of the sheet's grain, which runs along its width, to the rulings", &O::grain,
           {{"any", Grain::kAny}, {"along", Grain::kAlongRulings}, {"across", Grain::kAcrossRulings}}),
-      choice<Oversize>("oversize", "What becomes of a part larger than the sheet",
-                       &BlueprintOptions::oversize,
+      choice<Oversize>("oversize", "What becomes of a part larger than the sheet", &O::oversize,
                        {{"refuse", Oversize::kRefuse}, {"split", Oversize::kSplit}}),
-      integer("copies", "Copies of the whole model", &BlueprintOptions::copies),
-      choice<Face>("face", "Side that is up and carries the marks", &BlueprintOptions::marked_face,
+      integer("copies", "Copies of the whole model", &O::copies),
+      choice<Face>("face", "Side that is up and carries the marks", &O::marked_face,
                    {{"outside", Face::kOutside}, {"inside", Face::kInside}}),
-      other("sheet", "all", "Number of one sheet alone",
-            [](ExportRequest& r, const std::string& v) {
-              if (v == "all") return void(r.sheet = 0);
-              const double x = number("sheet", v);
-              if (x != std::floor(x) || x < 1 || x > 1e6) refuse("sheet", "a number from 1, or all");
-              r.sheet = static_cast<int>(x);
-            }),
-      other("part", "", "Label of one part alone",
-            [](ExportRequest& r, const std::string& v) { r.part = v; }),
+      Entry{{"sheet",
+             "all",
+             "One sheet alone, by its number, or all",
+             "integer",
+             "",
+             "",
+             sheets.low,
+             sheets.high,
+             {"all"}},
+            [](ExportRequest& r, const std::string& v) { r.sheet = v == "all" ? 0 : whole("sheet", v); }}
+          .only_for({"svg", "dxf"}),
+      Entry{{"part", "", "One part alone, by its label; empty for all", "text", "", ""},
+            [](ExportRequest& r, const std::string& v) { r.part = v; }}
+          .only_for({"parts-svg", "parts-dxf", "fold"}),
   };
 }
 
 std::vector<Entry> mark_entries() {
+  using O = BlueprintOptions;
   return {
-      real("label_height", "mm, height of part labels; 0: none", &BlueprintOptions::label_height),
-      real("seam_text_height", "mm, height of the neighbour's label at each seam; 0: none",
-           &BlueprintOptions::seam_text_height),
-      real("smallest_text", "mm; text that would be smaller is left out", &BlueprintOptions::smallest_text),
+      real("label_height", "mm", "Height of part labels; 0: none", &O::label_height),
+      real("seam_text_height", "mm", "Height of the neighbour's label at each seam; 0: none",
+           &O::seam_text_height),
+      real("smallest_text", "mm", "Text that would be smaller is left out", &O::smallest_text),
       choice<NotchStyle>(
-          "notches", "Marks at the edges that meet the neighbour's", &BlueprintOptions::notches,
+          "notches", "Marks at the edges that meet the neighbour's", &O::notches,
           {{"none", NotchStyle::kNone}, {"tick", NotchStyle::kTick}, {"vee", NotchStyle::kVee}}),
-      real("notch_size", "mm", &BlueprintOptions::notch_size),
-      choice<RulingStyle>("rulings", "How the lines along which the parts bend are drawn",
-                          &BlueprintOptions::rulings,
+      real("notch_size", "mm", "Length of a tick, depth of a vee", &O::notch_size),
+      choice<RulingStyle>("rulings", "How the lines along which the parts bend are drawn", &O::rulings,
                           {{"none", RulingStyle::kNone},
                            {"score", RulingStyle::kScore},
                            {"perforation", RulingStyle::kPerforation},
                            {"ticks", RulingStyle::kTicks}}),
-      real("ruling_step", "Degrees of bending for each line drawn; 0: every ruling",
-           &BlueprintOptions::ruling_step),
-      real("hidden_bend", "Degrees below which no line is drawn", &BlueprintOptions::hidden_bend),
-      real("ruling_clear", "mm free at both ends of a line", &BlueprintOptions::ruling_clear),
-      real("dash", "mm, of perforations", &BlueprintOptions::dash),
-      real("dash_gap", "mm, of perforations", &BlueprintOptions::dash_gap),
-      real("tick_length", "mm, of rulings drawn as ticks", &BlueprintOptions::tick_length),
+      real("ruling_step", "degrees", "Bending that each line drawn stands for; 0: every ruling is drawn",
+           &O::ruling_step),
+      real("hidden_bend", "degrees", "Bending below which no line is drawn", &O::hidden_bend),
+      real("ruling_clear", "mm", "Free at both ends of a line", &O::ruling_clear),
+      real("dash", "mm", "Dashes of perforations", &O::dash),
+      real("dash_gap", "mm", "Gaps of perforations", &O::dash_gap),
+      real("tick_length", "mm", "Ticks at both ends of rulings that are drawn so", &O::tick_length),
   };
 }
 
+std::vector<std::string> material_names() {
+  std::vector<std::string> names{""};
+  for (const Material& m : materials()) names.push_back(m.name);
+  return names;
+}
+
 std::vector<Entry> joint_entries() {
+  using O = BlueprintOptions;
+  ExportParameter material{
+      "material", "", "Material that is checked for its smallest bending radius; empty: none",
+      "choice",   "", ""};
+  material.values = material_names();
   return {
-      choice<TabSides>("tabs", "Toothed glue tabs along the seams", &BlueprintOptions::tabs,
+      choice<TabSides>("tabs", "Toothed glue tabs along the seams", &O::tabs,
                        {{"none", TabSides::kNone},
                         {"one", TabSides::kOne},
                         {"alternate", TabSides::kAlternate},
                         {"both", TabSides::kBoth}}),
-      real("tab_depth", "mm", &BlueprintOptions::tab_depth),
-      real("tab_angle", "Degrees of a tooth's flanks to the edge", &BlueprintOptions::tab_angle),
-      real("tab_pitch", "mm along the seam for each tooth", &BlueprintOptions::tab_pitch),
-      real("kerf", "mm, full width of the cut; 0 when the machine's program takes care of it",
-           &BlueprintOptions::kerf),
-      real("thickness", "mm of the material", &BlueprintOptions::thickness),
-      choice<MeshSurface>("surface", "Which face of the material the model is",
-                          &BlueprintOptions::mesh_surface,
+      real("tab_depth", "mm", "Depth of tabs", &O::tab_depth),
+      real("tab_angle", "degrees", "Angle of a tooth's flanks to the edge", &O::tab_angle),
+      real("tab_pitch", "mm", "Length of seam for each tooth", &O::tab_pitch),
+      real("kerf", "mm", "Full width of the cut; 0 when the machine's program takes care of it", &O::kerf),
+      real("thickness", "mm", "Thickness of the material; 0: paper", &O::thickness),
+      choice<MeshSurface>("surface", "Which face of the material the model is", &O::mesh_surface,
                           {{"outside", MeshSurface::kOutside},
                            {"middle", MeshSurface::kMiddle},
                            {"inside", MeshSurface::kInside}}),
-      with_choices(other("material", "", "Material that is checked for its smallest bending radius",
-                         [](ExportRequest& r, const std::string& v) { r.blueprint.material = v; }),
-                   material_names()),
-      on_or_off("hinges", "off", "Slots along rulings that bend below the material's radius: on or off",
-                [](ExportRequest& r, bool v) { r.blueprint.hinges = v; }),
+      {std::move(material),
+       [](ExportRequest& r, const std::string& v) {
+         if (!v.empty()) material_named(v);
+         r.blueprint.material = v;
+       }},
+      on_or_off("hinges",
+                "Slots along rulings that bend below the material's radius; wants material and thickness",
+                [](ExportRequest& r) -> bool& { return r.blueprint.hinges; }),
   };
 }
 
 std::vector<Entry> file_entries() {
-  return {
-      with_choices(
-          other(
-              "profile", "makerspace",
-              "Colours, layers and widths: makerspace, lightburn, boxes, ponoko, silhouette, inventor, astm, "
-              "origami, print, or the operator's own",
-              [](ExportRequest& r, const std::string& v) { r.blueprint.profile = v; }),
-          profile_names(), true),
-      on_or_off("bar", "on", "A bar of 100 mm on every sheet with room: on or off",
-                [](ExportRequest& r, bool v) { r.blueprint.reference_bar = v; }),
-      with_choices(other("dxf", "r12", "DXF version: r12, r2000",
-                         [](ExportRequest& r, const std::string& v) {
-                           if (v != "r12" && v != "r2000") refuse("dxf", "r12 or r2000");
-                           r.dxf = v == "r12" ? DxfVersion::kR12 : DxfVersion::kR2000;
-                         }),
-                   {"r12", "r2000"}),
-      with_choices(
-          other("page", "sheet", "PDF: sheet for a page a sheet, or a page size over which sheets are tiled",
-                [](ExportRequest& r, const std::string& v) {
-                  const SheetSize size = v == "sheet" ? SheetSize{0, 0} : sheet_size_named(v);
-                  r.pdf.page_width = size.width, r.pdf.page_height = size.height;
-                }),
-          sizes_and("sheet"), true),
-      other("page_margin", "10", "PDF: mm that the printer leaves white",
-            [](ExportRequest& r, const std::string& v) {
-              r.pdf.page_margin = number_between("page_margin", v, 0, 100);
-            }),
-      other("page_overlap", "10", "PDF: mm shared by neighbouring tiles",
-            [](ExportRequest& r, const std::string& v) {
-              r.pdf.overlap = number_between("page_overlap", v, 0, 100);
-            }),
-      on_or_off("cover", "on", "PDF: cover with scale box, legend, map and lists: on or off",
-                [](ExportRequest& r, bool v) { r.pdf.cover = v; }),
-      on_or_off("steps", "on", "PDF: a picture for each assembly step: on or off",
-                [](ExportRequest& r, bool v) { r.pdf.steps = v; }),
-      other("frame_radius", "1.5", "Frame: mm, radius of the rods",
-            [](ExportRequest& r, const std::string& v) {
-              r.frame.radius = number_between("frame_radius", v, 0.05, 50);
-            }),
-      other("frame_text", "5", "Frame: mm, height of the seam numbers; 0: none",
-            [](ExportRequest& r, const std::string& v) {
-              r.frame.text_height = number_between("frame_text", v, 0, 100);
-            }),
-      on_or_off("frame_borders", "on", "Frame: rods along the model's border: on or off",
-                [](ExportRequest& r, bool v) { r.frame.borders = v; }),
-  };
+  constexpr auto kPdf = &ExportRequest::pdf;
+  constexpr auto kFrame = &ExportRequest::frame;
+  ExportParameter profile{"profile", "makerspace", "Colours, layers, widths and order of the operations",
+                          "choice",  "",           ""};
+  std::vector<Entry> out;
+  out.push_back(
+      {std::move(profile), [](ExportRequest& r, const std::string& v) { r.blueprint.profile = v; }});
+  out.push_back(on_or_off("bar", "A bar of 100 mm on every sheet with room",
+                          [](ExportRequest& r) -> bool& { return r.blueprint.reference_bar; }));
+  out.push_back(choice<DxfVersion>("dxf", "DXF version",
+                                   [](ExportRequest& r) -> DxfVersion& { return r.dxf; },
+                                   {{"r12", DxfVersion::kR12}, {"r2000", DxfVersion::kR2000}})
+                    .only_for({"dxf", "parts-dxf", "zip"}));
+  const std::vector<std::string> pdf{"pdf", "zip"}, frame{"frame", "zip"};
+  out.push_back(
+      size("page", "sheet", "A page a sheet, or the size of pages over which sheets are tiled",
+           [](ExportRequest& r, SheetSize s) { r.pdf.page_width = s.width, r.pdf.page_height = s.height; })
+          .only_for(pdf));
+  out.push_back(real("page_margin", "mm", "What the printer leaves white", kPdf, &PdfOptions::page_margin)
+                    .only_for(pdf));
+  out.push_back(
+      real("page_overlap", "mm", "Shared by neighbouring tiles", kPdf, &PdfOptions::overlap).only_for(pdf));
+  out.push_back(
+      on_or_off("cover", "Cover with scale box, legend, map and lists", [](ExportRequest& r) -> bool& {
+        return r.pdf.cover;
+      }).only_for(pdf));
+  out.push_back(on_or_off("steps", "A picture for each assembly step", [](ExportRequest& r) -> bool& {
+                  return r.pdf.steps;
+                }).only_for(pdf));
+  out.push_back(real("frame_radius", "mm", "Radius of the seam frame's rods", kFrame, &FrameOptions::radius)
+                    .only_for(frame));
+  out.push_back(real("frame_text", "mm", "Height of the numbers on the seam frame; 0: none", kFrame,
+                     &FrameOptions::text_height)
+                    .only_for(frame));
+  out.push_back(
+      on_or_off("frame_borders", "Rods along the model's border too", [](ExportRequest& r) -> bool& {
+        return r.frame.borders;
+      }).only_for(frame));
+  return out;
 }
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = [] {
     std::vector<Entry> out;
-    for (auto* group : {sheet_entries, mark_entries, joint_entries, file_entries})
-      for (Entry& e : group()) out.push_back(std::move(e));
+    const std::pair<const char*, std::vector<Entry> (*)()> groups[] = {
+        {"sheet", sheet_entries}, {"marks", mark_entries}, {"joints", joint_entries}, {"file", file_entries}};
+    for (const auto& [name, group] : groups)
+      for (Entry& e : group()) {
+        e.described.group = name;
+        out.push_back(std::move(e));
+      }
     return out;
   }();
   return all;
@@ -265,6 +276,7 @@ ExportFormat format_named(std::string_view name) {
       {"parts-dxf", ExportFormat::kPartsDxf},
       {"pdf", ExportFormat::kPdf},
       {"fold", ExportFormat::kFold},
+      {"obj", ExportFormat::kObj},
       {"frame", ExportFormat::kFrame},
       {"parts-json", ExportFormat::kPartList},
       {"parts-csv", ExportFormat::kPartTable},
@@ -277,15 +289,29 @@ ExportFormat format_named(std::string_view name) {
   refuse("format", "one of " + known);
 }
 
-// "600x400" in mm.
-bool parse_size(std::string_view text, SheetSize& out) {
-  const std::size_t x = text.find('x');
-  if (x == std::string_view::npos) return false;
+// A preset or "600x400" in mm.
+std::optional<SheetSize> find_size(std::string_view name) {
+  for (const auto& [word, size] : sheet_presets())
+    if (word == name) return size;
+  const std::size_t x = name.find('x');
+  if (x == std::string_view::npos) return std::nullopt;
   const auto read = [](std::string_view word, double& value) {
     const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
     return code == std::errc() && end == word.data() + word.size() && value >= 10 && value <= 20000;
   };
-  return read(text.substr(0, x), out.width) && read(text.substr(x + 1), out.height);
+  SheetSize size{};
+  const bool good = read(name.substr(0, x), size.width) && read(name.substr(x + 1), size.height);
+  return good ? std::optional(size) : std::nullopt;
+}
+
+// Everything in force, so that the file can be made again whatever the defaults will be then.
+std::string request_json(std::string_view format, const std::map<std::string, std::string>& query) {
+  nlohmann::ordered_json j = {{"format", std::string(format)}};
+  for (const Entry& e : entries()) {
+    const auto given = query.find(e.described.name);
+    j[e.described.name] = given == query.end() ? e.described.otherwise : given->second;
+  }
+  return j.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -295,28 +321,37 @@ const std::vector<std::pair<std::string, SheetSize>>& sheet_presets() {
       {"a4", {210, 297}},          {"a3", {297, 420}},          {"a2", {420, 594}},
       {"a1", {594, 841}},          {"a0", {841, 1189}},         {"letter", {215.9, 279.4}},
       {"legal", {215.9, 355.6}},   {"tabloid", {279.4, 431.8}}, {"a4-letter", {210, 279.4}},
-      {"12x12in", {304.8, 304.8}}, {"12x24in", {304.8, 609.6}}};
+      {"12x12in", {304.8, 304.8}}, {"12x24in", {304.8, 609.6}}, {"300x200", {300, 200}},
+      {"600x300", {600, 300}},     {"600x400", {600, 400}},     {"700x500", {700, 500}},
+      {"900x600", {900, 600}},     {"1200x600", {1200, 600}},   {"1220x610", {1220, 610}}};
   return presets;
 }
 
-SheetSize sheet_size_named(std::string_view name) {
-  std::string known;
-  for (const auto& [word, size] : sheet_presets()) {
-    if (word == name) return size;
-    known += word + ", ";
+std::vector<ExportParameter> export_parameters(const std::vector<Profile>& own) {
+  std::vector<ExportParameter> out;
+  for (const Entry& e : entries()) {
+    out.push_back(e.described);
+    if (e.described.name != "profile") continue;
+    for (const std::vector<Profile>* list : {&own, &built_in_profiles()})
+      for (const Profile& p : *list) out.back().values.push_back(p.name);
   }
-  SheetSize size{};
-  if (!parse_size(name, size)) refuse("sheet_size", known + "or WIDTHxHEIGHT in mm");
-  return size;
+  return out;
 }
 
-const std::vector<ExportParameter>& export_parameters() {
-  static const std::vector<ExportParameter> all = [] {
-    std::vector<ExportParameter> out;
-    for (const Entry& e : entries()) out.push_back(e.described);
-    return out;
-  }();
-  return all;
+const std::vector<ExportFormatText>& export_formats() {
+  static const std::vector<ExportFormatText> formats = {
+      {"svg", "image/svg+xml", "Sheets to cut, for laser cutters and plotters"},
+      {"dxf", "image/vnd.dxf", "Sheets to cut, for CAD and CAM"},
+      {"parts-svg", "image/svg+xml", "Each part in a file of its own"},
+      {"parts-dxf", "image/vnd.dxf", "Each part in a file of its own, as online shops want it"},
+      {"pdf", "application/pdf", "To print: a page a sheet or tiled, with cover, lists and assembly steps"},
+      {"fold", "application/json", "FOLD 1.2: crease pattern and folded form"},
+      {"obj", "model/obj", "The model in mm with the place on the sheets as texture coordinates"},
+      {"frame", "model/stl", "Rods along the seams to print and glue the parts onto"},
+      {"parts-json", "application/json", "List of parts, seams, assembly steps and totals"},
+      {"parts-csv", "text/csv", "List of parts for a spreadsheet"},
+      {"zip", "application/zip", "All of it, with the result itself"}};
+  return formats;
 }
 
 ExportRequest read_export_request(std::string_view format, const std::map<std::string, std::string>& query) {
@@ -331,6 +366,7 @@ ExportRequest read_export_request(std::string_view format, const std::map<std::s
     found->read(request, value);
   }
   validate(request.blueprint);
+  request.text = request_json(format, query);
   return request;
 }
 

@@ -3,6 +3,7 @@
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/assembly.h"
 #include "sheetform/blueprint/fold_file.h"
+#include "sheetform/blueprint/obj_file.h"
 #include "sheetform/blueprint/result_reader.h"
 #include "sheetform/blueprint/sheet_svg.h"
 #include "sheetform/blueprint/zip.h"
@@ -19,6 +20,7 @@ const char* media_type_of(const std::string& name) {
   if (end == "pdf") return "application/pdf";
   if (end == "fold" || end == "json") return "application/json";
   if (end == "stl") return "model/stl";
+  if (end == "obj") return "model/obj";
   if (end == "csv") return "text/csv";
   return "application/zip";
 }
@@ -57,6 +59,8 @@ class Exporter {
         return {{"blueprint.pdf", to_pdf(b_, profile_, r_.pdf)}};
       case ExportFormat::kFold:
         return {{"blueprint.fold", to_fold(b_, r_.part.empty() ? -1 : part_named())}};
+      case ExportFormat::kObj:
+        return {{"blueprint.obj", to_obj(b_)}};
       case ExportFormat::kFrame:
         return {{"frame.stl", to_seam_frame_stl(b_, r_.frame)}};
       case ExportFormat::kPartList:
@@ -67,9 +71,9 @@ class Exporter {
         break;
     }
     Files all;
-    for (const ExportFormat each :
-         {ExportFormat::kSvg, ExportFormat::kDxf, ExportFormat::kPartsDxf, ExportFormat::kPdf,
-          ExportFormat::kFold, ExportFormat::kFrame, ExportFormat::kPartList, ExportFormat::kPartTable})
+    for (const ExportFormat each : {ExportFormat::kSvg, ExportFormat::kDxf, ExportFormat::kPartsDxf,
+                                    ExportFormat::kPdf, ExportFormat::kFold, ExportFormat::kObj,
+                                    ExportFormat::kFrame, ExportFormat::kPartList, ExportFormat::kPartTable})
       for (ZipEntry& file : files(each)) all.push_back(std::move(file));
     return all;
   }
@@ -122,6 +126,7 @@ Artifact export_result(std::string_view ruled_obj, std::string_view layout_json,
   const StoredResult stored = read_result(ruled_obj, layout_json);
   BlueprintOrigin from = origin;
   if (from.parameters.empty()) from.parameters = stored.parameters;
+  if (from.request.empty()) from.request = request.text;
   const Blueprint blueprint =
       make_blueprint(stored.strips, stored.scale, stored.labels, request.blueprint, from);
   Files files = Exporter(blueprint, request, profile).files(request.format);
@@ -129,6 +134,9 @@ Artifact export_result(std::string_view ruled_obj, std::string_view layout_json,
     const std::string name = without_folder(files[0].name);
     return {name, media_type_of(name), std::move(files[0].content)};
   }
+  if (request.format == ExportFormat::kAll)
+    files.insert(files.end(), {{"result/ruled.obj", std::string(ruled_obj)},
+                               {"result/layout.json", std::string(layout_json)}});
   return {"blueprint.zip", "application/zip", write_zip(files)};
 }
 

@@ -1,6 +1,7 @@
 // One call for every download: a stored result and a query give a file. Nothing is decomposed again.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,7 @@ enum class ExportFormat {
   kPartsDxf,   ///< "parts-dxf"
   kPdf,        ///< "pdf"
   kFold,       ///< "fold"
+  kObj,        ///< "obj": OBJ, 3D in mm, place on the sheets as UV
   kFrame,      ///< "frame": seam frame as STL
   kPartList,   ///< "parts-json"
   kPartTable,  ///< "parts-csv"
@@ -36,31 +38,41 @@ struct ExportRequest {
   DxfVersion dxf = DxfVersion::kR12;
   int sheet = 0;     ///< 1, 2...: that sheet alone; 0: all
   std::string part;  ///< label: that part alone (fold, parts-svg, parts-dxf); empty: all
+  std::string text;  ///< JSON: the format and every parameter in force, as in a query; goes into the files
 };
 
-/// Reads a query such as {"profile": "lightburn", "sheet_size": "a4", "kerf": "0.2"}. Names are those of the
-/// fields of BlueprintOptions, PdfOptions (page: a preset or "WxH", page_margin, page_overlap, cover, steps),
-/// FrameOptions (frame_radius, frame_text, frame_borders), "sheet_size" (a preset, "WxH" in mm, or "auto"),
-/// "sheet", "part", "dxf"
-/// ("r12" or "r2000"). Throws Error kInvalidParameter (where: the name) for unknown names and values out of
+/// Reads a query such as {"profile": "lightburn", "sheet_size": "a4", "kerf": "0.2"}; the names are those of
+/// export_parameters(). Throws Error kInvalidParameter (where: the name) for unknown names and values out of
 /// range.
 ExportRequest read_export_request(std::string_view format, const std::map<std::string, std::string>& query);
 
-/// Every name that a query may hold, with a default and a sentence for people: the documentation of the
-/// download.
+/// Every name that a query may hold: the documentation of the download, and all that a form needs to ask for
+/// it.
 struct ExportParameter {
-  std::string name, otherwise, text;
-  std::vector<std::string> choices;  ///< words that it takes; empty: numbers or free text
-  bool open = false;                 ///< takes other values than `choices` too
+  std::string name;
+  std::string otherwise;  ///< the default, as in a query
+  std::string text;       ///< a sentence for people
+  std::string type;       ///< "number", "integer", "choice", "switch" (on, off), "size", "text"
+  std::string unit;       ///< "mm", "degrees" or empty
+  std::string group;      ///< "sheet", "marks", "joints", "file"
+  std::optional<double> low = std::nullopt, high = std::nullopt;  ///< of numbers, both allowed
+  /// Of a choice or switch all that is allowed; of a size the presets beside WIDTHxHEIGHT in mm.
+  std::vector<std::string> values = {};
+  std::vector<std::string> formats = {};  ///< those that it has an effect on; empty: all
 };
-const std::vector<ExportParameter>& export_parameters();
+/// own: the operator's profiles, which are among the values of "profile".
+std::vector<ExportParameter> export_parameters(const std::vector<Profile>& own = {});
 
-/// Size of a preset in mm, width first (a0 to a4, letter, legal, tabloid, 600x300 and the like, "a4-letter"
-/// is what A4 and Letter have in common). Throws Error kInvalidParameter naming the presets.
+/// What a download can be, by the name in a query. Several files come as a zip.
+struct ExportFormatText {
+  std::string name, media_type, text;
+};
+const std::vector<ExportFormatText>& export_formats();
+
+/// Sheets by name, mm, width first; "a4-letter" is what A4 and Letter have in common.
 struct SheetSize {
   double width, height;
 };
-SheetSize sheet_size_named(std::string_view name);
 const std::vector<std::pair<std::string, SheetSize>>& sheet_presets();
 
 /// Makes the file. own: the operator's profiles. Throws what read_result, make_blueprint and the writers

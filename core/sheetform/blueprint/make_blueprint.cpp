@@ -8,6 +8,7 @@
 #include "sheetform/blueprint/joints.h"
 #include "sheetform/blueprint/materials.h"
 #include "sheetform/blueprint/nesting.h"
+#include "sheetform/blueprint/option_limits.h"
 #include "sheetform/blueprint/part_marks.h"
 #include "sheetform/blueprint/reshape.h"
 #include "sheetform/blueprint/seams.h"
@@ -175,28 +176,35 @@ void require(bool good, const char* option, const std::string& what) {
   if (!good) throw Error(ErrorCode::kInvalidParameter, std::string(option) + " " + what, option);
 }
 
-void in_range(double value, double low, double high, const char* option) {
-  require(value >= low && value <= high, option,
-          "must lie between " + rounded(low, 3) + " and " + rounded(high, 3));
-}
-
 }  // namespace
 
 void validate(const BlueprintOptions& o) {
   require((o.sheet_width > 0) == (o.sheet_height > 0), "sheet", "needs both a width and a height");
-  in_range(o.sheet_width, 0, 20000, "sheet_width"), in_range(o.sheet_height, 0, 20000, "sheet_height");
-  in_range(o.margin, 0, 200, "margin"), in_range(o.gap, 0, 200, "gap");
+  for (const auto& [value, name] :
+       std::initializer_list<std::pair<double, const char*>>{{o.sheet_width, "sheet_width"},
+                                                             {o.sheet_height, "sheet_height"},
+                                                             {o.margin, "margin"},
+                                                             {o.gap, "gap"},
+                                                             {o.turns, "turns"},
+                                                             {o.copies, "copies"},
+                                                             {o.label_height, "label_height"},
+                                                             {o.seam_text_height, "seam_text_height"},
+                                                             {o.smallest_text, "smallest_text"},
+                                                             {o.notch_size, "notch_size"},
+                                                             {o.ruling_step, "ruling_step"},
+                                                             {o.hidden_bend, "hidden_bend"},
+                                                             {o.ruling_clear, "ruling_clear"},
+                                                             {o.dash, "dash"},
+                                                             {o.dash_gap, "dash_gap"},
+                                                             {o.tick_length, "tick_length"},
+                                                             {o.tab_depth, "tab_depth"},
+                                                             {o.tab_angle, "tab_angle"},
+                                                             {o.tab_pitch, "tab_pitch"},
+                                                             {o.kerf, "kerf"},
+                                                             {o.thickness, "thickness"}})
+    require_in_range(value, name);
   require(o.sheet_width <= 0 || std::min(o.sheet_width, o.sheet_height) > 2 * o.margin + 1, "margin",
           "leaves no room on the sheet");
-  in_range(o.turns, 1, 64, "turns"), in_range(o.copies, 1, 100, "copies");
-  in_range(o.label_height, 0, 100, "label_height"), in_range(o.seam_text_height, 0, 100, "seam_text_height");
-  in_range(o.smallest_text, 0.1, 100, "smallest_text"), in_range(o.notch_size, 0.1, 50, "notch_size");
-  in_range(o.ruling_step, 0, 180, "ruling_step"), in_range(o.hidden_bend, 0, 180, "hidden_bend");
-  in_range(o.ruling_clear, 0, 50, "ruling_clear"), in_range(o.dash, 0.1, 100, "dash"),
-      in_range(o.dash_gap, 0.1, 100, "dash_gap");
-  in_range(o.tick_length, 0.1, 100, "tick_length"), in_range(o.tab_depth, 0.5, 100, "tab_depth");
-  in_range(o.tab_angle, 20, 90, "tab_angle"), in_range(o.tab_pitch, 1, 1000, "tab_pitch");
-  in_range(o.kerf, 0, 5, "kerf"), in_range(o.thickness, 0, 100, "thickness");
   if (!o.material.empty()) material_named(o.material);
   require(!o.hinges || (!o.material.empty() && o.thickness > 0), "hinges",
           "need a material and its thickness");

@@ -5,6 +5,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/blueprint/assembly.h"
+#include "sheetform/blueprint/option_limits.h"
 #include "sheetform/blueprint/pdf_file.h"
 #include "sheetform/blueprint/pdf_steps.h"
 #include "sheetform/blueprint/sheet_svg.h"
@@ -331,12 +332,10 @@ int tiles_needed(double length, double window, double overlap) {
 }
 
 std::string to_pdf(const Blueprint& blueprint, const Profile& profile, const PdfOptions& options) {
-  const auto in_range = [](double v, double low, double high) { return v >= low && v <= high; };
-  if (!in_range(options.page_width, 0, 5000) || !in_range(options.page_height, 0, 5000) ||
-      !in_range(options.page_margin, 0, 100) || !in_range(options.overlap, 0, 100) ||
-      (options.page_width > 0) != (options.page_height > 0))
-    throw Error(ErrorCode::kInvalidParameter, "the page's size, margin or overlap is out of range", "page",
-                "Use a page of up to 5000 mm");
+  require_in_range(options.page_width, "page_width"), require_in_range(options.page_height, "page_height");
+  require_in_range(options.page_margin, "page_margin"), require_in_range(options.overlap, "page_overlap");
+  if ((options.page_width > 0) != (options.page_height > 0))
+    throw Error(ErrorCode::kInvalidParameter, "a page needs both a width and a height", "page");
   return PdfWriter(blueprint, profile, options).write();
 }
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <set>
 
-#include "sheetform/base/error.h"
+#include "sheetform/blueprint/option_limits.h"
 #include "sheetform/blueprint/stroke_font.h"
 
 namespace sheetform {
@@ -156,11 +156,8 @@ void add_number(StlWriter& out, const Blueprint& b, const Seam& seam, const Fram
 }  // namespace
 
 std::string to_seam_frame_stl(const Blueprint& b, const FrameOptions& o) {
-  const bool good = o.radius >= 0.05 && o.radius <= 100 && o.sides >= 3 && o.sides <= 64 &&
-                    o.text_height >= 0 && o.text_height <= 100;
-  if (!good)
-    throw Error(ErrorCode::kInvalidParameter, "the frame's radius, sides or text height is out of range",
-                "frame", "Use a radius from 0.05 to 100 mm");
+  require_in_range(o.radius, "frame_radius"), require_in_range(o.text_height, "frame_text");
+  require_in_range(o.sides, "frame_sides");
   StlWriter out;
   std::set<int> nodes;
   for (const StripMesh::Arch& arch : b.strips.arches) {

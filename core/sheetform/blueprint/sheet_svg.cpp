@@ -117,8 +117,11 @@ std::string origin_json(const Blueprint& b) {
       {"generator", "sheetform " + o.version}, {"job", o.job},   {"model", o.model},
       {"input_digest", o.input_digest},        {"link", o.link}, {"profile", b.options.profile},
       {"scale_mm_per_unit", b.scale}};
-  const auto parameters = nlohmann::ordered_json::parse(o.parameters, nullptr, false);
-  j["parameters"] = parameters.is_discarded() ? nlohmann::ordered_json(nullptr) : parameters;
+  const auto from_text = [](const std::string& text) {
+    const auto value = nlohmann::ordered_json::parse(text, nullptr, false);
+    return value.is_discarded() ? nlohmann::ordered_json(nullptr) : value;
+  };
+  j["parameters"] = from_text(o.parameters), j["export"] = from_text(o.request);
   return j.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
 }
 
