@@ -35,9 +35,12 @@ enum class Oversize { kRefuse, kSplit };
 /// How a blueprint is made. Every field can be given by name in a query (exports.h), within option_limits.h.
 struct BlueprintOptions {
   double sheet_width = 0, sheet_height = 0;  ///< mm; 0: one sheet as large as the parts need
-  double margin = 5;                         ///< mm, free at every edge of a sheet
-  double gap = 3;                            ///< mm, between any two parts
-  int turns = 8;                             ///< evenly spaced angles that nesting tries, 1 to 64
+  /// mm, printable part of a home printer's page and what neighbouring pages share: sheets without a size of
+  /// their own become such pages where every part fits on one, else as wide as several. 0: no pages.
+  double page_width = 0, page_height = 0, page_overlap = 0;
+  double margin = 5;  ///< mm, free at every edge of a sheet
+  double gap = 3;     ///< mm, between any two parts
+  int turns = 8;      ///< evenly spaced angles that nesting tries, 1 to 64
   Grain grain =
       Grain::kAny;  ///< the sheet's grain runs along its width; all but kAny leave 0 and 180 degrees
   Oversize oversize = Oversize::kRefuse;  ///< what to do with a part larger than the sheet
@@ -75,8 +78,8 @@ struct BlueprintOptions {
 /// Where a blueprint comes from; goes into every file as text. All may be empty.
 struct BlueprintOrigin {
   std::string version, job, model, input_digest, link;
-  std::string parameters;  ///< JSON text of the decomposition's parameters
-  std::string request;     ///< JSON text of the download's format and parameters
+  std::string parameters;    ///< JSON text of the decomposition's parameters
+  std::string request = {};  ///< JSON text of the download's format and parameters
 };
 
 struct BlueprintLine {
@@ -109,6 +112,7 @@ struct BlueprintPart {
   Polygons footprint;                          ///< what the sheet loses to it: outline and tabs; no kerf
   std::vector<BlueprintLine> lines;            ///< all that is drawn, in the order of Operation
   Vector2 ruling_direction = Vector2::Zero();  ///< mean, unit, sign free; zero: no rulings
+  Vector2 level = Vector2::UnitX();            ///< unit, runs along the width of the sheet that it lies on
   double area = 0;                             ///< mm2, of the outline
   double smallest_radius = std::numeric_limits<double>::infinity();  ///< mm, to which it is bent
 };

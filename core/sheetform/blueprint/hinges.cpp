@@ -12,7 +12,7 @@ namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kTextClear = 0.8;  // mm between a slot and a letter
+constexpr double kMarkClear = 0.8;  // mm between a slot and a letter or notch
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 using Segment = std::array<Vector2, 2>;
@@ -44,8 +44,9 @@ class Lattice {
     link_ = t, slot_ = 5 * t, rows_ = std::max(1.0, 0.5 * t + kerf_);
     width_ = std::max(0.3, kerf_ + 0.1);
     for (const BlueprintLine& line : part.lines)
-      for (std::size_t i = 0; line.operation == Operation::kText && i + 1 < line.points.size(); ++i)
-        texts_.push_back({line.points[i], line.points[i + 1]});
+      if (line.operation == Operation::kText || line.operation == Operation::kNotch)
+        for (std::size_t i = 0; i + 1 < line.points.size(); ++i)
+          marks_.push_back({line.points[i], line.points[i + 1]});
   }
 
   // Rows of slots between two rulings; `row` counts on from one pair to the next, so that rows stay
@@ -90,7 +91,7 @@ class Lattice {
   void add_slot(const Vector2& a, const Vector2& b, const Vector2& d) {
     const TurnedBox box{(a + b) / 2, d, (b - a).norm() / 2, width_ / 2};
     if (!inside_.holds(box.grown(0.9 * link_)) || near_a_slot(box.grown(0.4 * rows_)) ||
-        on_a_text(box.grown(kTextClear)))
+        on_a_mark(box.grown(kMarkClear)))
       return;
     slots_.push_back(box);
     Polygon contour = box.grown(-kerf_ / 2).corners();
@@ -105,8 +106,8 @@ class Lattice {
     });
   }
 
-  bool on_a_text(const TurnedBox& box) const {
-    return std::any_of(texts_.begin(), texts_.end(),
+  bool on_a_mark(const TurnedBox& box) const {
+    return std::any_of(marks_.begin(), marks_.end(),
                        [&](const Segment& t) { return meets(box, t[0], t[1]); });
   }
 
@@ -114,7 +115,7 @@ class Lattice {
   Inside inside_;
   double kerf_, link_, slot_, rows_, width_;
   std::vector<TurnedBox> slots_;
-  std::vector<Segment> texts_;
+  std::vector<Segment> marks_;
 };
 
 void say(Blueprint& b, const BlueprintPart& part, double allowed) {

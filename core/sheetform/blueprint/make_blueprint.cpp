@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "sheetform/base/error.h"
@@ -20,12 +21,27 @@ namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kPageMargin = 1;  // mm inside the printable part of a page
 
 // All vts in mm; mirrored for parts that show their inside.
 std::vector<Vector2> flat_places(const StripMesh& strips, double scale, bool mirrored) {
   std::vector<Vector2> flat;
   for (const Vector2& uv : strips.uvs) flat.push_back(scale * Vector2(mirrored ? -uv.x() : uv.x(), uv.y()));
   return flat;
+}
+
+// Of the rulings in the plane, each turned to agree with those before; zero where there are none.
+Vector2 mean_direction(const Blueprint& b, const StripMesh::Patch& patch) {
+  std::map<std::array<int, 2>, Vector2> edges;
+  for (const StripMesh::Triangle& t : patch.triangles)
+    for (int k = 0; k < 3; ++k)
+      edges[{t.v[k], t.v[(k + 1) % 3]}] = b.flat[t.vt[(k + 1) % 3]] - b.flat[t.vt[k]];
+  Vector2 mean = Vector2::Zero();
+  for (const auto& ruling : patch.rulings) {
+    const auto edge = edges.find(ruling);
+    if (edge != edges.end()) mean += edge->second.dot(mean) < 0 ? Vector2(-edge->second) : edge->second;
+  }
+  return mean.norm() > 0 ? Vector2(mean.normalized()) : mean;
 }
 
 void add_parts(Blueprint& b, const std::vector<std::string>& labels) {
@@ -40,6 +56,7 @@ void add_parts(Blueprint& b, const std::vector<std::string>& labels) {
     part.area = signed_area(part.outline);
     if (part.area < 0) std::reverse(part.outline.begin(), part.outline.end()), part.area = -part.area;
     part.footprint = {part.outline};
+    part.ruling_direction = mean_direction(b, patch);
     b.parts.push_back(std::move(part));
   }
 }
@@ -127,34 +144,71 @@ void add_reference_bar(Nester& nester, int sheet, const Blueprint& b, BlueprintS
   }
 }
 
-void nest(Blueprint& b) {
-  const BlueprintOptions& o = b.options;
-  const bool automatic = o.sheet_width <= 0;
-  Nester nester({automatic ? automatic_width(b) : o.sheet_width, automatic ? 0 : o.sheet_height, o.margin,
-                 o.gap + o.kerf});
+/// Parts in their places, sheet by sheet.
+struct Nesting {
+  Nester nester;
   std::vector<std::pair<int, PlacedPart>> places;
+  int too_large = -1;  ///< a part that fits on no sheet; then nothing is complete
+};
+
+Nesting place_all(const Blueprint& b, const NestOptions& sheets) {
+  Nesting n{Nester(sheets), {}, -1};
   for (int i : nesting_order(b.parts))
-    for (int copy = 0; copy < o.copies; ++copy) {
-      const NestedItem item = nester.place({b.parts[i].footprint, turns_of(b.parts[i], o)});
-      if (item.sheet < 0) refuse_part(b, b.parts[i]);
-      places.push_back({item.sheet, {i, copy, item.placement}});
+    for (int copy = 0; copy < b.options.copies; ++copy) {
+      const NestedItem item = n.nester.place({b.parts[i].footprint, turns_of(b.parts[i], b.options)});
+      if (item.sheet < 0) {
+        n.too_large = i;
+        return n;
+      }
+      n.places.push_back({item.sheet, {i, copy, item.placement}});
     }
-  std::stable_sort(places.begin(), places.end(), [](const auto& x, const auto& y) {
+  std::stable_sort(n.places.begin(), n.places.end(), [](const auto& x, const auto& y) {
     return std::array{x.first, x.second.part, x.second.copy} <
            std::array{y.first, y.second.part, y.second.copy};
   });
+  return n;
+}
+
+// Sheets of the size asked for; pages of a printer where all parts fit on one; else one sheet as large as
+// need be, as wide as several pages.
+Nesting best_nesting(const Blueprint& b, NestOptions& sheets) {
+  const BlueprintOptions& o = b.options;
+  const double gap = o.gap + o.kerf;
+  sheets = {o.sheet_width, o.sheet_height, o.margin, gap};
+  if (o.sheet_width > 0) {
+    Nesting n = place_all(b, sheets);
+    if (n.too_large >= 0) refuse_part(b, b.parts[n.too_large]);
+    return n;
+  }
+  double width = automatic_width(b);
+  if (o.page_width > 0) {
+    sheets = {o.page_width, o.page_height, kPageMargin, gap};
+    if (Nesting n = place_all(b, sheets); n.too_large < 0) return n;
+    const double step = o.page_width - o.page_overlap;
+    width = o.page_overlap + step * std::max(1.0, std::ceil((width - o.page_overlap) / step));
+  }
+  sheets = {width, 0, o.margin, gap};
+  return place_all(b, sheets);
+}
+
+void nest(Blueprint& b) {
+  NestOptions sheets;
+  Nesting n = best_nesting(b, sheets);
   double inside = 0, total = 0;
-  for (int s = 0; s < nester.sheet_count(); ++s) {
+  for (int s = 0; s < n.nester.sheet_count(); ++s) {
     BlueprintSheet sheet;
-    for (const auto& [on, part] : places)
+    for (const auto& [on, part] : n.places)
       if (on == s) sheet.parts.push_back(part), inside += area_of(b.parts[part.part].footprint);
-    if (o.reference_bar) add_reference_bar(nester, s, b, sheet);
-    sheet.width = automatic ? nester.used(s).x() : o.sheet_width;
-    sheet.height = automatic ? nester.used(s).y() : o.sheet_height;
+    if (b.options.reference_bar) add_reference_bar(n.nester, s, b, sheet);
+    const bool fixed = sheets.height > 0;
+    sheet.width = fixed ? sheets.width : n.nester.used(s).x();
+    sheet.height = fixed ? sheets.height : n.nester.used(s).y();
     total += sheet.width * sheet.height;
     b.sheets.push_back(std::move(sheet));
   }
   b.used_share = total > 0 ? inside / total : 0;
+  for (auto& [sheet, place] : n.places)
+    if (place.copy == 0) b.parts[place.part].level = {place.placement.cos, -place.placement.sin};
 }
 
 // Thickness and the size of the sheet change the surface itself, before anything is drawn.
@@ -205,6 +259,8 @@ void validate(const BlueprintOptions& o) {
     require_in_range(value, name);
   require(o.sheet_width <= 0 || std::min(o.sheet_width, o.sheet_height) > 2 * o.margin + 1, "margin",
           "leaves no room on the sheet");
+  require(o.page_width <= 0 || std::min(o.page_width, o.page_height) > o.page_overlap + 20, "page",
+          "leaves no room for a tile: use a larger page, or less margin or overlap");
   if (!o.material.empty()) material_named(o.material);
   require(!o.hinges || (!o.material.empty() && o.thickness > 0), "hinges",
           "need a material and its thickness");
@@ -230,10 +286,10 @@ Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vecto
   b.seams =
       seams_of(b.strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
   add_joints(b);
+  nest(b);  // before the texts: they are level on the sheet
   add_marks(b);
   add_hinges(b);
   add_cuts(b);
-  nest(b);
   return b;
 }
 

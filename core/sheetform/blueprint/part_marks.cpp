@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kPadding = 0.25;        // of a text's height, kept free around it
+constexpr double kShortestFold = 0.5;    // mm; less of a line than that is no fold
+constexpr double kTickClear = 0.12;      // of the notch size, between two ticks
 constexpr std::size_t kNeighbours = 40;  // rulings drawn before that an end is kept clear of: a whole fan
 
 Vector2 left_of(const Vector2& d) { return {-d.y(), d.x()}; }
@@ -81,9 +83,10 @@ class PartMarks {
   std::vector<Spot> label_spots() const {
     std::vector<Spot> spots;
     const Pole pole = pole_of_inaccessibility(part_.outline, std::max(0.02 * o_.label_height, 1e-3));
+    const Vector2& level = part_.level;
     for (int turn = 0; turn < 12; ++turn) {
       const double a = kPi / 12 * ((turn + 1) / 2) * (turn % 2 ? 1 : -1);
-      spots.push_back({pole.center, {std::cos(a), std::sin(a)}});
+      spots.push_back({pole.center, std::cos(a) * level + std::sin(a) * left_of(level)});
     }
     std::vector<const Crease*> rulings;
     for (const Crease& c : creases_)
@@ -92,7 +95,7 @@ class PartMarks {
     for (std::size_t i = step / 2; i < rulings.size(); i += step) {
       const Vector2 &a = b_.flat[rulings[i]->vt[0]], &c = b_.flat[rulings[i]->vt[1]];
       Vector2 across = left_of((c - a).normalized());
-      if (across.x() < 0) across = -across;
+      if (across.dot(level) < 0) across = -across;
       spots.push_back({0.5 * (a + c), across});
     }
     return spots;
@@ -137,11 +140,20 @@ class PartMarks {
       const Vector2 in = seam.left[k] ? left_of(d) : Vector2(-left_of(d));
       double length = o_.notch_size;
       const Vector2 root = p + 1e-4 * in;  // off the outline itself
-      while (length > 0.1 * o_.notch_size && inside_.crossed(root, p + 1.2 * length * in)) length /= 2;
+      while (length > 0.1 * o_.notch_size &&
+             (inside_.crossed(root, p + 1.2 * length * in) || near_a_tick(p, p + length * in)))
+        length /= 2;
+      ticks_.push_back({p, p + length * in});
       if (o_.notches == NotchStyle::kTick || o_.tabs != TabSides::kNone)
         draw(Operation::kNotch, {p, p + length * in}, seam.number);
       taken_.push_back({p + length / 2 * in, in, length / 2 + 0.2, 0.3});
     }
+  }
+
+  bool near_a_tick(const Vector2& a, const Vector2& b) const {
+    return std::any_of(ticks_.begin(), ticks_.end(), [&](const std::array<Vector2, 2>& t) {
+      return segment_distance(a, b, t[0], t[1]) < kTickClear * o_.notch_size;
+    });
   }
 
   // "neighbour:seam" along the seam with its foot at the edge, as near the seam's middle as it fits.
@@ -175,13 +187,6 @@ class PartMarks {
   }
 
   void add_rulings() {
-    Vector2 mean = Vector2::Zero();
-    for (const Crease& c : creases_) {
-      if (c.ruling < 0) continue;
-      const Vector2 d = b_.flat[c.vt[1]] - b_.flat[c.vt[0]];
-      mean += d.dot(mean) < 0 ? Vector2(-d) : d;
-    }
-    if (mean.norm() > 0) part_.ruling_direction = mean.normalized();
     if (o_.rulings == RulingStyle::kNone) return;
     const double sign = o_.marked_face == Face::kInside ? -1 : 1;
     std::vector<Fold> folds;
@@ -217,10 +222,33 @@ class PartMarks {
     for (double moved = 0; moved < room / 3 && near(fold.at(fold.to)); moved += step) fold.to -= step;
   }
 
+  // What texts and notches leave of a line: none of them is crossed.
+  std::vector<std::array<double, 2>> free_stretches(const Fold& fold) const {
+    std::vector<std::array<double, 2>> free{{fold.from, fold.to}};
+    const double length = fold.to - fold.from;
+    for (const TurnedBox& box : taken_) {
+      const auto [enter, leave] = stretch_in(box, fold.at(fold.from), fold.at(fold.to));
+      if (enter > leave) continue;
+      const double low = fold.from + enter * length, high = fold.from + leave * length;
+      std::vector<std::array<double, 2>> rest;
+      for (const auto& [a, b] : free) {
+        if (low - a >= kShortestFold) rest.push_back({a, std::min(b, low)});
+        if (b - high >= kShortestFold) rest.push_back({std::max(a, high), b});
+      }
+      free = std::move(rest);
+    }
+    return free;
+  }
+
   void draw_fold(const Fold& fold) {
+    const std::vector<std::array<double, 2>> free = free_stretches(fold);
     const Operation operation = fold.angle >= 0 ? Operation::kScoreMountain : Operation::kScoreValley;
     const auto stretch = [&](double from, double to) {
-      draw(operation, {fold.at(from), fold.at(to)}, 0, fold.angle);
+      for (const auto& [a, b] : free) {
+        const double low = std::max(from, a), high = std::min(to, b);
+        if (high - low >= std::min(kShortestFold, to - from))
+          draw(operation, {fold.at(low), fold.at(high)}, 0, fold.angle);
+      }
     };
     switch (o_.rulings) {
       case RulingStyle::kScore:
@@ -257,6 +285,7 @@ class PartMarks {
   std::vector<Crease> creases_;
   double label_height_ = 0;
   std::vector<TurnedBox> taken_;
+  std::vector<std::array<Vector2, 2>> ticks_;
 };
 
 }  // namespace

@@ -128,19 +128,24 @@ bool overlap(const TurnedBox& a, const TurnedBox& b) {
   return true;
 }
 
-bool meets(const TurnedBox& box, const Vector2& a, const Vector2& b) {
+std::array<double, 2> stretch_in(const TurnedBox& box, const Vector2& a, const Vector2& b) {
   const Vector2 from(box.axis.dot(a - box.center), box.up().dot(a - box.center)),
       d(box.axis.dot(b - a), box.up().dot(b - a));
   double enter = 0, leave = 1;
   const double half[2] = {box.half_width, box.half_height};
   for (int k = 0; k < 2; ++k) {
     if (d[k] == 0) {
-      if (std::abs(from[k]) > half[k]) return false;
+      if (std::abs(from[k]) > half[k]) return {1, 0};
       continue;
     }
     const double t0 = (-half[k] - from[k]) / d[k], t1 = (half[k] - from[k]) / d[k];
     enter = std::max(enter, std::min(t0, t1)), leave = std::min(leave, std::max(t0, t1));
   }
+  return {enter, leave};
+}
+
+bool meets(const TurnedBox& box, const Vector2& a, const Vector2& b) {
+  const auto [enter, leave] = stretch_in(box, a, b);
   return enter <= leave;
 }
 

@@ -1,5 +1,6 @@
 // Polygons in millimetres: unions and offsets (Clipper), the roomiest place, boxes for texts.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "sheetform/blueprint/page_layout.h"
@@ -42,6 +43,9 @@ struct TurnedBox {
   Polygon corners() const;
 };
 bool overlap(const TurnedBox& a, const TurnedBox& b);
+/// The share of the segment from a to b that lies in the box, as parameters from 0 to 1; first > second:
+/// none.
+std::array<double, 2> stretch_in(const TurnedBox& box, const Vector2& a, const Vector2& b);
 /// The segment has a point in the box.
 bool meets(const TurnedBox& box, const Vector2& a, const Vector2& b);
 

@@ -158,7 +158,9 @@ TEST(Exports, ParametersSayAllThatAFormNeeds) {
     EXPECT_EQ(p.values.empty(),
               p.type == "number" || p.type == "text" || (p.type == "integer" && p.name != "sheet"))
         << p.name;
-    if (!p.values.empty()) EXPECT_THAT(p.values, Contains(p.otherwise)) << p.name;
+    if (!p.values.empty()) {
+      EXPECT_THAT(p.values, Contains(p.otherwise)) << p.name;
+    }
     EXPECT_EQ(p.low.has_value(), p.type == "number" || p.type == "integer") << p.name;
     EXPECT_EQ(p.high.has_value(), p.low.has_value());
     EXPECT_FALSE(p.text.empty());
@@ -186,7 +188,9 @@ TEST(Exports, WhatIsAllowedIsTakenAndWhatIsNotIsRefused) {
       query[p.name] = value;
       EXPECT_NO_THROW(read_export_request("svg", query)) << p.name << "=" << value;
     }
-    if (p.type == "choice" && p.name != "profile") EXPECT_TRUE(refused(p.name, "nonsense")) << p.name;
+    if (p.type == "choice" && p.name != "profile") {
+      EXPECT_TRUE(refused(p.name, "nonsense")) << p.name;
+    }
     if (!p.low) continue;
     EXPECT_NO_THROW(read_export_request("svg", {{p.name, std::to_string(*p.low)}})) << p.name;
     EXPECT_NO_THROW(read_export_request("svg", {{p.name, std::to_string(*p.high)}})) << p.name;
@@ -220,7 +224,9 @@ TEST(Exports, ObjShowsEachPieceOfTheModelInItsPlaceOnTheSheet) {
     words >> key;
     if (key == "v") words >> points.emplace_back().x() >> points.back().y() >> points.back().z();
     if (key == "vt") words >> uvs.emplace_back().x() >> uvs.back().y();
-    if (key == "g") EXPECT_TRUE(groups.insert(line).second);
+    if (key == "g") {
+      EXPECT_TRUE(groups.insert(line).second);
+    }
     if (key != "f") continue;
     ++faces;
     std::array<int, 3> v{}, vt{};
