@@ -157,6 +157,17 @@ std::vector<AssemblyStep> assembly_order(const Blueprint& b) {
   return out;
 }
 
+std::string step_text(const Blueprint& b, const AssemblyStep& step) {
+  std::string text = b.parts[step.part].label;
+  for (std::size_t i = 0; i < step.seams.size(); ++i) {
+    const Seam& seam = b.seams[step.seams[i]];
+    const int to = other(seam, step.part);
+    text += (i == 0 ? ": to " : ", to ") + (to == step.part ? "itself" : b.parts[to].label) + " at seam " +
+            std::to_string(seam.number);
+  }
+  return text;
+}
+
 Totals totals_of(const Blueprint& b, const Profile& profile) {
   Totals t;
   const int copies = b.options.copies;

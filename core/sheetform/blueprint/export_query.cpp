@@ -241,6 +241,10 @@ std::vector<Entry> file_entries() {
   out.push_back(on_or_off("steps", "A picture for each assembly step", [](ExportRequest& r) -> bool& {
                   return r.pdf.steps;
                 }).only_for(pdf));
+  out.push_back(choice<UpAxis>("up", "Axis of the model that points up in the pictures",
+                               [](ExportRequest& r) -> UpAxis& { return r.pdf.up; },
+                               {{"z", UpAxis::kZ}, {"y", UpAxis::kY}})
+                    .only_for(pdf));
   out.push_back(real("frame_radius", "mm", "Radius of the seam frame's rods", kFrame, &FrameOptions::radius)
                     .only_for(frame));
   out.push_back(real("frame_text", "mm", "Height of the numbers on the seam frame; 0: none", kFrame,

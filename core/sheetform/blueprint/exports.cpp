@@ -127,8 +127,13 @@ Artifact export_result(std::string_view ruled_obj, std::string_view layout_json,
   BlueprintOrigin from = origin;
   if (from.parameters.empty()) from.parameters = stored.parameters;
   if (from.request.empty()) from.request = request.text;
-  const Blueprint blueprint =
-      make_blueprint(stored.strips, stored.scale, stored.labels, request.blueprint, from);
+  BlueprintOptions options = request.blueprint;
+  if (request.format == ExportFormat::kPdf && request.pdf.page_width > 0) {
+    options.page_width = request.pdf.page_width - 2 * request.pdf.page_margin;
+    options.page_height = request.pdf.page_height - 2 * request.pdf.page_margin;
+    options.page_overlap = request.pdf.overlap;
+  }
+  const Blueprint blueprint = make_blueprint(stored.strips, stored.scale, stored.labels, options, from);
   Files files = Exporter(blueprint, request, profile).files(request.format);
   if (files.size() == 1 && request.format != ExportFormat::kAll) {
     const std::string name = without_folder(files[0].name);

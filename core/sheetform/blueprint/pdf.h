@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "sheetform/blueprint/pdf_steps.h"
 #include "sheetform/blueprint/profiles.h"
 
 namespace sheetform {
@@ -13,10 +14,12 @@ struct PdfOptions {
   double overlap = 10;                     ///< mm shared by neighbouring tiles
   bool cover = true;                       ///< scale box, legend, map of the pages, lists of parts and steps
   bool steps = true;                       ///< a picture for each assembly step
+  UpAxis up = UpAxis::kZ;                  ///< in these pictures
 };
 
-/// Pages are true to scale and ask viewers not to scale. Tiles have a frame, row and column, crosses at 25
-/// and 75 % of each edge; tiles on which nothing would be drawn are left out. Throws Error kInvalidParameter
+/// Pages are true to scale and ask viewers not to scale. Tiles have a frame, their row and column,
+/// and where they go on the neighbour's name and crosses at 25 and 75 % of the edge that come to lie on the
+/// neighbour's; tiles on which nothing would be drawn are left out. Throws Error kInvalidParameter
 /// for pages without room.
 std::string to_pdf(const Blueprint& blueprint, const Profile& profile, const PdfOptions& options);
 

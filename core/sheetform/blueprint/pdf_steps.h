@@ -5,11 +5,13 @@
 
 namespace sheetform {
 
-/// Adds pages of the given size (mm) with six pictures each: the parts built so far in grey, the new one in
-/// colour, seen from a side on which it shows. Cost O(steps * (triangles + pixels)).
-void add_step_pages(const Blueprint& blueprint, double width, double height, PdfFile& file);
+/// The model's axis that points up in the pictures.
+enum class UpAxis { kY, kZ };
 
-/// A direction (unit, from the model to the eye) from which the part's outside is seen, a little from above.
-Vector3 view_of_part(const Blueprint& blueprint, int part);
+/// Adds pages of the given size (mm) with six pictures each: the parts built so far in grey, the new one in
+/// colour with its label, those that it joins with theirs, the numbers of the seams, and what is to come as
+/// thin lines. The view changes only where the new part would hardly show. Cost O(steps * (triangles +
+/// pixels)).
+void add_step_pages(const Blueprint& blueprint, double width, double height, UpAxis up, PdfFile& file);
 
 }  // namespace sheetform
