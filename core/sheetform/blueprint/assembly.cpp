@@ -233,7 +233,7 @@ std::string to_part_list_json(const Blueprint& b, const Profile& profile) {
 std::string to_part_list_csv(const Blueprint& b) {
   const auto at = seams_by_part(b);
   const std::vector<int> sheet = sheet_of_parts(b);
-  std::string out = "label,width_mm,height_mm,area_mm2,sheet,copies,mirror_of,neighbours\r\n";
+  std::string out = "label,width_mm,height_mm,area_mm2,sheet,copies,mirror_of,neighbours,job,link\r\n";
   for (std::size_t p = 0; p < b.parts.size(); ++p) {
     const BlueprintPart& part = b.parts[p];
     const Vector2 size = size_of(part);
@@ -244,7 +244,7 @@ std::string to_part_list_csv(const Blueprint& b) {
     out += csv_cell(part.label) + ',' + rounded(size.x(), 2) + ',' + rounded(size.y(), 2) + ',' +
            rounded(part.area, 1) + ',' + std::to_string(sheet[p]) + ',' + std::to_string(b.options.copies) +
            ',' + csv_cell(part.mirror_of < 0 ? "" : b.parts[part.mirror_of].label) + ',' +
-           csv_cell(neighbours) + "\r\n";
+           csv_cell(neighbours) + ',' + csv_cell(b.origin.job) + ',' + csv_cell(b.origin.link) + "\r\n";
   }
   return out;
 }

@@ -113,8 +113,11 @@ Entry size(const char* name, const char* zero, const char* text,
 
 std::vector<Entry> sheet_entries() {
   using O = BlueprintOptions;
-  const OptionLimits& sheets = limits_of("sheet");
+  const OptionLimits &sheets = limits_of("sheet"), &sizes = limits_of("model_size");
   return {
+      Entry{{"model_size", "0", "Longest side of the finished model; 0: as it was decomposed", "number", "mm",
+             "", sizes.low, sizes.high},
+            [](ExportRequest& r, const std::string& v) { r.model_size = number("model_size", v); }},
       size("sheet_size", "auto", "Sheet; auto is one page as large as the parts need",
            [](ExportRequest& r, SheetSize s) {
              r.blueprint.sheet_width = s.width, r.blueprint.sheet_height = s.height;

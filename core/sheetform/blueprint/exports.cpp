@@ -116,6 +116,14 @@ class Exporter {
   const Profile& profile_;
 };
 
+double longest_side(const StripMesh& strips) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& p : strips.points) box.extend(p);
+  const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+  if (!(longest > 0)) throw Error(ErrorCode::kInvalidParameter, "the model has no size", "model_size");
+  return longest;
+}
+
 std::string without_folder(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
 }  // namespace
@@ -133,7 +141,9 @@ Artifact export_result(std::string_view ruled_obj, std::string_view layout_json,
     options.page_height = request.pdf.page_height - 2 * request.pdf.page_margin;
     options.page_overlap = request.pdf.overlap;
   }
-  const Blueprint blueprint = make_blueprint(stored.strips, stored.scale, stored.labels, options, from);
+  const double scale =
+      request.model_size > 0 ? request.model_size / longest_side(stored.strips) : stored.scale;
+  const Blueprint blueprint = make_blueprint(stored.strips, scale, stored.labels, options, from);
   Files files = Exporter(blueprint, request, profile).files(request.format);
   if (files.size() == 1 && request.format != ExportFormat::kAll) {
     const std::string name = without_folder(files[0].name);

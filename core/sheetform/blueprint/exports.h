@@ -36,8 +36,9 @@ struct ExportRequest {
   PdfOptions pdf;
   FrameOptions frame;
   DxfVersion dxf = DxfVersion::kR12;
-  int sheet = 0;     ///< 1, 2...: that sheet alone; 0: all
-  std::string part;  ///< label: that part alone (fold, parts-svg, parts-dxf); empty: all
+  double model_size = 0;  ///< mm, longest side of the model's box; 0: as it was decomposed
+  int sheet = 0;          ///< 1, 2...: that sheet alone; 0: all
+  std::string part;       ///< label: that part alone (fold, parts-svg, parts-dxf); empty: all
   std::string text;  ///< JSON: the format and every parameter in force, as in a query; goes into the files
 };
 

@@ -5,6 +5,7 @@
 
 #include "sheetform/blueprint/fold_lines.h"
 #include "sheetform/blueprint/seams.h"
+#include "sheetform/blueprint/text.h"
 #include "sheetform/strip/outline.h"
 
 namespace sheetform {
@@ -15,7 +16,9 @@ constexpr double kClearance = 0.5;   // mm between a tooth and whatever is not i
 constexpr double kOverlap = 0.05;    // mm that a tooth reaches into its part, so that both unite
 constexpr double kKept = 1.0 / 3;    // of a tooth that must remain
 constexpr double kNoContact = 2e-3;  // mm that edges of a contour which are no neighbours keep apart
-constexpr double kShortest = 2.0;    // mm of seam that a tooth needs
+constexpr double kTolerable =
+    0.25;                          // mm that thick edges may press into each other: glue and fibres give way
+constexpr double kShortest = 2.0;  // mm of seam that a tooth needs
 
 Vector2 left_of(const Vector2& d) { return {-d.y(), d.x()}; }
 
@@ -201,29 +204,6 @@ class PartJoints {
   std::vector<Polygons> taken_;
 };
 
-// Mean bend of the surface over a seam, degrees, mountain positive: the way in which its tabs are folded.
-double bend_of(const Blueprint& b, const Seam& seam) {
-  const StripMesh& m = b.strips;
-  const std::vector<int>& arch = m.arches[seam.arch].vertices;
-  double sum = 0, weight = 0;
-  for (std::size_t i = 0; i + 1 < arch.size(); ++i) {
-    std::array<int, 2> apex{-1, -1};
-    for (int k = 0; k < 2; ++k)
-      for (const StripMesh::Triangle& t : m.patches[b.parts[seam.parts[k]].patch].triangles)
-        for (int c = 0; c < 3; ++c) {
-          const bool here = t.vt[c] == seam.vt[k][i] && t.vt[(c + 1) % 3] == seam.vt[k][i + 1];
-          const bool turned = t.vt[c] == seam.vt[k][i + 1] && t.vt[(c + 1) % 3] == seam.vt[k][i];
-          if (here) apex[0] = t.v[(c + 2) % 3];
-          if (turned) apex[1] = t.v[(c + 2) % 3];
-        }
-    if (apex[0] < 0 || apex[1] < 0) continue;
-    const Vector3 &p = m.points[arch[i]], &q = m.points[arch[i + 1]];
-    sum += bend_over(p, q, m.points[apex[0]], m.points[apex[1]]) * (q - p).norm();
-    weight += (q - p).norm();
-  }
-  return weight > 0 ? sum / weight : 0;
-}
-
 // Both sides of a seam tried; with one side only, the side on which more of the teeth fit.
 void add_tabs(Blueprint& b, int index, std::vector<PartJoints>& parts) {
   const Seam& seam = b.seams[index];
@@ -257,6 +237,28 @@ void add_vees(Blueprint& b, const Seam& seam, std::vector<PartJoints>& parts) {
 
 }  // namespace
 
+double bend_of(const Blueprint& b, const Seam& seam) {
+  const StripMesh& m = b.strips;
+  const std::vector<int>& arch = m.arches[seam.arch].vertices;
+  double sum = 0, weight = 0;
+  for (std::size_t i = 0; i + 1 < arch.size(); ++i) {
+    std::array<int, 2> apex{-1, -1};
+    for (int k = 0; k < 2; ++k)
+      for (const StripMesh::Triangle& t : m.patches[b.parts[seam.parts[k]].patch].triangles)
+        for (int c = 0; c < 3; ++c) {
+          const bool here = t.vt[c] == seam.vt[k][i] && t.vt[(c + 1) % 3] == seam.vt[k][i + 1];
+          const bool turned = t.vt[c] == seam.vt[k][i + 1] && t.vt[(c + 1) % 3] == seam.vt[k][i];
+          if (here) apex[0] = t.v[(c + 2) % 3];
+          if (turned) apex[1] = t.v[(c + 2) % 3];
+        }
+    if (apex[0] < 0 || apex[1] < 0) continue;
+    const Vector3 &p = m.points[arch[i]], &q = m.points[arch[i + 1]];
+    sum += bend_over(p, q, m.points[apex[0]], m.points[apex[1]]) * (q - p).norm();
+    weight += (q - p).norm();
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
 void add_joints(Blueprint& b) {
   const bool tabs = b.options.tabs != TabSides::kNone, vees = b.options.notches == NotchStyle::kVee && !tabs;
   if (!tabs && !vees) return;
@@ -267,6 +269,22 @@ void add_joints(Blueprint& b) {
     if (vees) add_vees(b, b.seams[s], parts);
   }
   for (PartJoints& part : parts) part.finish();
+}
+
+void note_thick_seams(Blueprint& b) {
+  std::string list;
+  for (const Seam& seam : b.seams) {
+    const double angle = bend_of(b, seam),
+                 clash = b.options.thickness / 2 * std::tan(std::abs(angle) / 2 * kPi / 180);
+    if (clash < kTolerable) continue;
+    list += (list.empty() ? "" : ", ") + std::to_string(seam.number) + " (" + rounded(std::abs(angle), 0) +
+            " degrees, " + (angle > 0 ? "inside" : "outside") + " edges)";
+  }
+  if (!list.empty())
+    b.warnings.push_back("At " + rounded(b.options.thickness, 2) +
+                         " mm of thickness the edges of these seams press on each other; bevel each by half "
+                         "the angle: " +
+                         list);
 }
 
 }  // namespace sheetform

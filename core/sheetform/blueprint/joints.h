@@ -11,4 +11,12 @@ namespace sheetform {
 /// notches keeps its outline bit for bit.
 void add_joints(Blueprint& blueprint);
 
+/// Mean bend of the surface over a seam, degrees, mountain (seen from outside) positive: the way in which its
+/// tabs are folded. Cost O(edges of the seam * triangles of its parts).
+double bend_of(const Blueprint& blueprint, const Seam& seam);
+
+/// Says in `warnings` which seams want bevelled edges: two sheets of thickness t that meet at an angle f
+/// press into each other by t / 2 * tan(f / 2) each when the middle of the material is the surface.
+void note_thick_seams(Blueprint& blueprint);
+
 }  // namespace sheetform

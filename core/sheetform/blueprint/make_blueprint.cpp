@@ -286,6 +286,7 @@ Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vecto
   b.seams =
       seams_of(b.strips, b.flat, options.notches == NotchStyle::kNone ? 0 : options.notch_size, mirrored);
   add_joints(b);
+  if (options.thickness > 0) note_thick_seams(b);
   nest(b);  // before the texts: they are level on the sheet
   add_marks(b);
   add_hinges(b);

@@ -1,5 +1,6 @@
 #include "sheetform/blueprint/seam_frame.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -170,7 +171,12 @@ std::string to_seam_frame_stl(const Blueprint& b, const FrameOptions& o) {
   for (int v : nodes) ball(out, b.scale * b.strips.points[v], 1.25 * o.radius, o.sides);
   if (o.text_height > 0)
     for (const Seam& seam : b.seams) add_number(out, b, seam, o);
-  return out.finish("sheetform seam frame, mm");
+  // The format has 80 bytes for it: what fits of the origin, printable.
+  std::string title = "seam frame in mm, sheetform " + b.origin.version + ", job " + b.origin.job +
+                      ", input " + b.origin.input_digest;
+  std::replace_if(
+      title.begin(), title.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return out.finish(title);
 }
 
 }  // namespace sheetform

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -11,12 +13,14 @@
 #include "sheetform/decompose.h"
 #include "support/shapes.h"
 #include "support/strip_shapes.h"
+#include "unit/blueprint/drawn_files.h"
 
 namespace sheetform {
 namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 struct Stored {
@@ -196,6 +200,83 @@ TEST(Exports, WhatIsAllowedIsTakenAndWhatIsNotIsRefused) {
     EXPECT_NO_THROW(read_export_request("svg", {{p.name, std::to_string(*p.high)}})) << p.name;
     EXPECT_TRUE(refused(p.name, std::to_string(*p.low - 1))) << p.name;
     EXPECT_TRUE(refused(p.name, std::to_string(*p.high + 1))) << p.name;
+  }
+}
+
+TEST(Exports, ModelSizeIsThatOfTheFinishedModel) {
+  const Stored s = stored(shapes::cube_faces(), 3);  // sides of 2 units
+  const auto totals =
+      nlohmann::json::parse(exported(s, "parts-json", {{"model_size", "80"}}).content)["totals"];
+  EXPECT_NEAR(totals["cut_mm"], 6 * 4 * 80, 1e-6);
+  EXPECT_NEAR(totals["glue_mm"], 12 * 80, 1e-6);
+}
+
+// Of the files in an archive, from the headers that stand before each.
+std::vector<std::string> names_in_zip(const std::string& zip) {
+  const auto little = [&](std::size_t at, int bytes) {
+    std::size_t v = 0;
+    for (int i = bytes - 1; i >= 0; --i) v = v << 8 | static_cast<unsigned char>(zip.at(at + i));
+    return v;
+  };
+  std::vector<std::string> out;
+  for (std::size_t at = 0; little(at, 4) == 0x04034b50;) {
+    out.push_back(zip.substr(at + 30, little(at + 26, 2)));
+    at += 30 + out.back().size() + little(at + 18, 4);
+  }
+  return out;
+}
+
+// Everything that a stranger can name, as markup, as lines of DXF, as a formula, as broken UTF-8.
+const char* const kEvil = "</text><script>alert(1)</script>\"'&\r\n  0\r\nEOF\r\n)>>endobj \xff ../../x";
+
+TEST(Exports, EvilTextsStayTextInEveryFormat) {
+  Stored s = stored(shapes::cube_faces());
+  nlohmann::json layout = nlohmann::json::parse(s.json);
+  layout["patches"][0]["label"] = "=cmd|'/c x'!A1<script>\r\n0\r\nEOF\r\n\"&";
+  layout["patches"][1]["label"] = "../../etc/passwd";
+  layout["parameters"]["e_max_note"] = "</metadata><script>\r\n  0\r\nEOF";
+  s.json = layout.dump();
+  for (const ExportFormatText& format : export_formats()) {
+    const Artifact a = export_result(s.obj, s.json, read_export_request(format.name, {}),
+                                     {kEvil, kEvil, kEvil, kEvil, kEvil, ""});
+    const std::string& text = a.content;
+    EXPECT_EQ(a.name.find_first_of("/\\<>"), std::string::npos);
+    if (format.name == "svg") {
+      EXPECT_THAT(text, Not(HasSubstr("<script")));
+      EXPECT_FALSE(svg_paths(text).empty());
+    } else if (format.name == "dxf") {
+      const Groups groups = dxf_groups(text);
+      EXPECT_EQ(std::count(groups.begin(), groups.end(), std::pair(0, std::string("EOF"))), 1);
+      EXPECT_EQ(groups.back().second, "EOF");
+    } else if (format.name == "pdf") {
+      for (const char* bad : {"script", ")>>endobj", "/JavaScript", "/OpenAction"})
+        EXPECT_THAT(text, Not(HasSubstr(bad)));
+    } else if (format.media_type == "application/json") {
+      EXPECT_NO_THROW(nlohmann::json::parse(text)) << format.name;
+    } else if (format.name == "obj") {
+      std::istringstream in(text);
+      for (std::string line; std::getline(in, line);)
+        EXPECT_THAT((std::set<std::string>{"#", "v", "vt", "g", "f"}),
+                    Contains(line.substr(0, line.find(' '))));
+    } else if (format.name == "parts-csv") {
+      EXPECT_THAT(text, Not(HasSubstr("\"=cmd")));
+      // Quotes that open and close; a line ends only outside of them.
+      EXPECT_EQ(std::count(text.begin(), text.end(), '"') % 2, 0);
+    } else if (format.name == "frame") {
+      std::uint32_t triangles = 0;
+      for (int k = 3; k >= 0; --k) triangles = triangles << 8 | static_cast<unsigned char>(text[80 + k]);
+      EXPECT_EQ(text.size(), 84 + 50 * std::size_t{triangles});
+      EXPECT_THAT(text.substr(0, 80), Not(HasSubstr("\n")));
+    } else {
+      EXPECT_EQ(a.media_type, "application/zip");
+      for (const std::string& name : names_in_zip(text)) {
+        EXPECT_EQ(name.find(".."), std::string::npos) << name;
+        EXPECT_EQ(
+            name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./"),
+            std::string::npos)
+            << name;
+      }
+    }
   }
 }
 

@@ -23,6 +23,7 @@
 #include "sheetform/strip/outline.h"
 #include "support/shapes.h"
 #include "support/strip_shapes.h"
+#include "unit/blueprint/drawn_files.h"
 
 namespace sheetform {
 namespace {
@@ -41,65 +42,6 @@ BlueprintOrigin evil_origin() { return {kEvil, kEvil, kEvil, kEvil, kEvil, kEvil
 
 // --- SVG
 // -----------------------------------------------------------------------------------------------------------
-
-struct SvgPath {
-  std::string operation, part, d;
-  std::vector<std::vector<Vector2>> lines;
-  bool closed = false;
-};
-
-std::string attribute(const std::string& tag, const std::string& name) {
-  const std::size_t at = tag.find(' ' + name + "=\"");
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + name.size() + 3;
-  return tag.substr(begin, tag.find('"', begin) - begin);
-}
-
-void read_path_data(SvgPath& p) {
-  std::istringstream in(p.d);
-  std::string word;
-  while (in >> word) {
-    if (word == "Z") {
-      p.closed = true;
-      continue;
-    }
-    if (word[0] == 'M') p.lines.emplace_back();
-    double y = 0;
-    in >> y;
-    p.lines.back().emplace_back(std::stod(word.substr(1)), y);
-  }
-}
-
-// Tags in order; checks on the way that they nest.
-std::vector<SvgPath> svg_paths(const std::string& svg) {
-  std::vector<SvgPath> out;
-  std::vector<std::string> open, parts, operations;
-  for (std::size_t at = svg.find('<'); at != std::string::npos; at = svg.find('<', at + 1)) {
-    const std::string tag = svg.substr(at + 1, svg.find('>', at) - at - 1);
-    EXPECT_EQ(tag.find('<'), std::string::npos);
-    if (tag[0] == '?') continue;
-    const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
-    if (tag[0] == '/') {
-      EXPECT_FALSE(open.empty());
-      EXPECT_EQ('/' + open.back(), tag);
-      open.pop_back(), parts.pop_back(), operations.pop_back();
-      continue;
-    }
-    if (name == "path") {
-      SvgPath p;
-      p.operation = operations.back(), p.part = parts.back(), p.d = attribute(tag, "d");
-      read_path_data(p);
-      out.push_back(std::move(p));
-    }
-    if (tag.back() == '/') continue;
-    open.push_back(name);
-    const std::string part = attribute(tag, "data-part"), operation = attribute(tag, "data-op");
-    parts.push_back(part.empty() && !parts.empty() ? parts.back() : part);
-    operations.push_back(operation.empty() && !operations.empty() ? operations.back() : operation);
-  }
-  EXPECT_TRUE(open.empty());
-  return out;
-}
 
 TEST(SheetSvg, HasOneClosedCutForEachPartAndKeepsItsShape) {
   BlueprintOptions o;
@@ -189,46 +131,6 @@ TEST(SheetSvg, EvilTextsStayText) {
 
 // --- DXF
 // -----------------------------------------------------------------------------------------------------------
-
-using Groups = std::vector<std::pair<int, std::string>>;
-
-Groups dxf_groups(const std::string& dxf) {
-  Groups out;
-  std::istringstream in(dxf);
-  std::string code, value;
-  while (std::getline(in, code)) {
-    EXPECT_TRUE(std::getline(in, value));
-    EXPECT_EQ(code.back(), '\r');
-    value.pop_back();
-    EXPECT_LE(value.size(), 255u);
-    out.emplace_back(std::stoi(code), value);
-  }
-  return out;
-}
-
-struct DxfLine {
-  std::string layer;
-  bool closed = false;
-  std::vector<Vector2> points;
-};
-
-std::vector<DxfLine> dxf_lines(const Groups& groups) {
-  std::vector<DxfLine> out;
-  std::string entity;
-  bool entities = false;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const auto& [code, value] = groups[i];
-    if (code == 2 && groups[i - 1].second == "SECTION") entities = value == "ENTITIES";
-    if (!entities) continue;
-    if (code == 0) entity = value;
-    if (code == 0 && (value == "POLYLINE" || value == "LWPOLYLINE")) out.emplace_back();
-    if (code == 8 && entity != "SEQEND") out.back().layer = value;
-    if (code == 70 && entity != "VERTEX") out.back().closed = value == "1";
-    if (code == 10 && entity != "POLYLINE") out.back().points.emplace_back(std::stod(value), 0);
-    if (code == 20 && entity != "POLYLINE") out.back().points.back().y() = std::stod(value);
-  }
-  return out;
-}
 
 class Dxf : public ::testing::TestWithParam<DxfVersion> {};
 INSTANTIATE_TEST_SUITE_P(Versions, Dxf, ::testing::Values(DxfVersion::kR12, DxfVersion::kR2000));

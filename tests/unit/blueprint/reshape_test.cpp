@@ -135,6 +135,20 @@ TEST(Split, RefusesWhatNoCutHelps) {
 // --- bending
 // -------------------------------------------------------------------------------------------------------
 
+TEST(ThickSeams, AreNamedWithTheirAngle) {
+  BlueprintOptions o;
+  o.thickness = 3;
+  const StripMesh cube = shapes::cube_faces();
+  const Blueprint thick = make_blueprint(cube, 50, part_labels(cube), o);
+  ASSERT_EQ(thick.warnings.size(), 1u);
+  EXPECT_NE(thick.warnings[0].find("12 (90 degrees, inside edges)"), std::string::npos) << thick.warnings[0];
+  o.thickness = 0.3;  // 0.15 mm at each edge: nobody bevels card
+  EXPECT_TRUE(make_blueprint(cube, 50, part_labels(cube), o).warnings.empty());
+  const StripMesh flat = shapes::two_leaves(0, 0, 4);
+  o.thickness = 3;
+  EXPECT_TRUE(make_blueprint(flat, 50, part_labels(flat), o).warnings.empty());
+}
+
 TEST(Materials, TableIsReadBetweenItsEntries) {
   const Material& ply = material_named("plywood");
   EXPECT_EQ(smallest_radius(ply, 3.2), 305);
