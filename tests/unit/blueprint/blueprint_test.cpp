@@ -205,6 +205,7 @@ TEST(Rulings, StylesKeepClearOfTheEdge) {
   for (const RulingStyle style : {RulingStyle::kScore, RulingStyle::kPerforation, RulingStyle::kTicks}) {
     BlueprintOptions o;
     o.rulings = style, o.ruling_step = 0;
+    o.label_height = o.seam_text_height = 0, o.notches = NotchStyle::kNone;  // folds stop short of these
     const Blueprint b = blueprint_of(strips, o);
     double length = 0;
     int lines = 0;
