@@ -158,13 +158,22 @@ std::vector<AssemblyStep> assembly_order(const Blueprint& b) {
 }
 
 std::string step_text(const Blueprint& b, const AssemblyStep& step) {
-  std::string text = b.parts[step.part].label;
-  for (std::size_t i = 0; i < step.seams.size(); ++i) {
-    const Seam& seam = b.seams[step.seams[i]];
-    const int to = other(seam, step.part);
-    text += (i == 0 ? ": to " : ", to ") + (to == step.part ? "itself" : b.parts[to].label) + " at seam " +
-            std::to_string(seam.number);
+  std::vector<std::pair<int, std::string>> seams_to;  // neighbours in the order of their first seam
+  for (int s : step.seams) {
+    const int to = other(b.seams[s], step.part);
+    const auto known =
+        std::find_if(seams_to.begin(), seams_to.end(), [&](const auto& n) { return n.first == to; });
+    const std::string number = std::to_string(b.seams[s].number);
+    if (known == seams_to.end())
+      seams_to.emplace_back(to, number);
+    else
+      known->second += ", " + number;
   }
+  std::string text = b.parts[step.part].label;
+  for (const auto& [to, numbers] : seams_to)
+    text += (text.size() == b.parts[step.part].label.size() ? ": to " : "; to ") +
+            (to == step.part ? "itself" : b.parts[to].label) +
+            (numbers.find(',') == std::string::npos ? " at seam " : " at seams ") + numbers;
   return text;
 }
 

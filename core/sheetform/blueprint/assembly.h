@@ -20,7 +20,7 @@ struct AssemblyStep {
 /// O(parts * seams).
 std::vector<AssemblyStep> assembly_order(const Blueprint& blueprint);
 
-/// "A3: to A1 at seam 4, to itself at seam 7" for people.
+/// "A3: to A1 at seams 4, 5; to itself at seam 7" for people.
 std::string step_text(const Blueprint& blueprint, const AssemblyStep& step);
 
 /// All copies together; lengths in mm.

@@ -96,7 +96,7 @@ class PdfWriter {
                              column,
                              Vector2(column * step.x(), (rows - 1 - row) * step.y()),
                              window_,
-                             name_of(row, column)};
+                             rows * columns == 1 ? "" : name_of(row, column)};
           if (anything_on(tile)) tiles.push_back(tile);
         }
     }
@@ -128,7 +128,7 @@ class PdfWriter {
     page.end_clip();
     page.pen("#999999", 0.1);
     page.line({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, true);
-    const bool alone = window_.x() >= b_.sheets[t.sheet].width && window_.y() >= b_.sheets[t.sheet].height;
+    const bool alone = t.name.empty();
     page.text(low + Vector2(2, window_.y() + 2),
               "Sheet " + std::to_string(t.sheet + 1) + (alone ? "" : ", page " + t.name) +
                   "   print at 100 %" +

@@ -8,6 +8,7 @@
 #include "sheetform/blueprint/sheet_svg.h"
 #include "sheetform/blueprint/stroke_font.h"
 #include "sheetform/blueprint/text.h"
+#include "sheetform/strip/outline.h"
 
 namespace sheetform {
 namespace {
@@ -217,7 +218,7 @@ class CoverWriter {
   // --- where everything is
 
   void map() {
-    flow_.heading(tiles_.empty() ? "Sheets" : "Map of the pages");
+    flow_.heading(tiled() ? "Map of the pages" : "Sheets");
     double widest = 1, tallest = 1;
     for (const BlueprintSheet& s : b_.sheets)
       widest = std::max(widest, s.width), tallest = std::max(tallest, s.height);
@@ -247,7 +248,7 @@ class CoverWriter {
     frame(corner, corner + factor * Vector2(sheet.width, sheet.height));
     page.pen("#0066cc", 0.15);
     for (const PdfTile& t : tiles_) {
-      if (t.sheet != s) continue;
+      if (t.sheet != s || t.name.empty()) continue;
       const Vector2 low = corner + factor * t.low,
                     high = corner + factor * (t.low + t.size).cwiseMin(Vector2(sheet.width, sheet.height));
       frame(low, high);
@@ -267,18 +268,29 @@ class CoverWriter {
               1.8);
   }
 
-  // "1" or "1 (A1, A2)", for every sheet with a copy of the part.
+  // Some of the part is on the page.
+  static bool shows(const PdfTile& t, const Polygon& outline) {
+    const TurnedBox box{t.low + t.size / 2, Vector2::UnitX(), t.size.x() / 2, t.size.y() / 2};
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      if (meets(box, outline[i], outline[(i + 1) % outline.size()])) return true;
+    return contains(outline, box.center);
+  }
+
+  bool tiled() const {
+    return std::any_of(tiles_.begin(), tiles_.end(), [](const PdfTile& t) { return !t.name.empty(); });
+  }
+
+  // "1" or "1 (A1 A2)", for every sheet with a copy of the part.
   std::string places_of(int part) const {
     std::string out;
     std::set<int> seen;
     for (std::size_t s = 0; s < b_.sheets.size(); ++s)
       for (const PlacedPart& p : b_.sheets[s].parts) {
         if (p.part != part || !seen.insert(static_cast<int>(s)).second) continue;
-        const Bounds box = bounds_of(placed(b_.parts[part].outline, p.placement));
+        const Polygon outline = placed(b_.parts[part].outline, p.placement);
         std::string pages;
         for (const PdfTile& t : tiles_)
-          if (t.sheet == static_cast<int>(s) && (box.low.array() < (t.low + t.size).array()).all() &&
-              (box.high.array() > t.low.array()).all())
+          if (t.sheet == static_cast<int>(s) && !t.name.empty() && shows(t, outline))
             pages += (pages.empty() ? "" : " ") + t.name;
         out += (out.empty() ? "" : ", ") + std::to_string(s + 1) + (pages.empty() ? "" : " (" + pages + ")");
       }
@@ -290,7 +302,7 @@ class CoverWriter {
     flow_.row({{0, "part"},
                {0.12, "size in mm"},
                {0.34, "area in cm2"},
-               {0.48, tiles_.empty() ? "sheet" : "sheet (pages)"},
+               {0.48, tiled() ? "sheet (pages)" : "sheet"},
                {0.74, "how often"},
                {0.86, "mirror image"}});
     for (std::size_t p = 0; p < b_.parts.size(); ++p) {

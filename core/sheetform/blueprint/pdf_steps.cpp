@@ -156,24 +156,30 @@ double shown(const Blueprint& b, int part, const Vector3& eye) {
 }
 
 // One scale for all pictures: whatever the view, the whole model is on it.
-Camera camera_for(const Blueprint& b, const Vector3& eye, UpAxis up, int width, int height) {
+Camera camera_for(const Blueprint& b, const std::vector<Vector3>& all, const Vector3& eye, UpAxis axis,
+                  int width, int height) {
+  const Vector3 up_axis = axis == UpAxis::kZ ? Vector3::UnitZ() : Vector3::UnitY();
   Camera c;
   c.eye = eye;
-  c.right = (up == UpAxis::kZ ? Vector3::UnitZ() : Vector3::UnitY()).cross(eye).normalized(),
-  c.up = eye.cross(c.right);
+  c.right = up_axis.cross(eye).normalized(), c.up = eye.cross(c.right);
   Eigen::AlignedBox3d box;
   for (const Vector3& p : b.strips.points) box.extend(p);
   c.middle = box.center(), c.center = Vector2(width, height) / 2;
-  double reach = 1e-12;
-  for (const Vector3& p : b.strips.points) reach = std::max(reach, (p - c.middle).norm());
-  c.scale = (std::min(width, height) / 2 - 3) / reach;
+  double share = 1e-12;  // of half the picture that a model of scale 1 takes
+  for (const Vector3& view : all) {
+    const Vector3 right = up_axis.cross(view).normalized(), up = view.cross(right);
+    for (const Vector3& p : b.strips.points)
+      share = std::max({share, std::abs(right.dot(p - c.middle)) / (width / 2 - 3),
+                        std::abs(up.dot(p - c.middle)) / (height / 2 - 3)});
+  }
+  c.scale = 1 / share;
   return c;
 }
 
 /// The picture of one step and what is written into it, in pixels from the upper left.
 struct StepPicture {
   PdfImage image;
-  std::vector<std::pair<Vector2, std::string>> names;
+  std::vector<std::pair<Vector2, std::string>> names;  ///< most important first
 };
 
 void draw_part(const Blueprint& b, int part, bool fresh, const Camera& camera, Picture& picture) {
@@ -200,17 +206,22 @@ StepPicture draw_step(const Blueprint& b, const std::vector<AssemblyStep>& steps
       picture.line(camera(b.strips.points[arch.vertices[i]]), camera(b.strips.points[arch.vertices[i + 1]]),
                    0, kGhost);
   StepPicture out;
-  std::set<int> named{steps[step].part};
+  const int fresh = steps[step].part;
+  const auto name = [&](int part) {
+    if (const auto at = picture.middle_of(part)) out.names.emplace_back(*at, b.parts[part].label);
+  };
+  name(fresh);
+  std::set<int> neighbours;
   for (int s : steps[step].seams) {
     const Seam& seam = b.seams[s];
-    named.insert({seam.parts[0], seam.parts[1]});
+    neighbours.insert({seam.parts[0], seam.parts[1]});
     const std::vector<int>& arch = b.strips.arches[seam.arch].vertices;
     const Vector3 p =
         camera((b.strips.points[arch[(arch.size() - 1) / 2]] + b.strips.points[arch[arch.size() / 2]]) / 2);
     if (picture.shows(p, 4.0)) out.names.emplace_back(p.head<2>(), std::to_string(seam.number));
   }
-  for (int part : named)
-    if (const auto at = picture.middle_of(part)) out.names.emplace_back(*at, b.parts[part].label);
+  for (int part : neighbours)
+    if (part != fresh) name(part);
   out.image = picture.take();
   return out;
 }
@@ -240,7 +251,7 @@ class StepPages {
       for (std::size_t i = first; i < std::min(steps.size(), first + kColumns * kRows); ++i) {
         eye = next_view(all, eye, steps[i].part);
         const int w = static_cast<int>(size_.x() * pixels_), h = static_cast<int>(size_.y() * pixels_);
-        StepPicture picture = draw_step(b_, steps, i, camera_for(b_, eye, up_, w, h), w, h);
+        StepPicture picture = draw_step(b_, steps, i, camera_for(b_, all, eye, up_, w, h), w, h);
         picture.image.palette = colours;
         const auto k = static_cast<int>(i - first);
         const Vector2 low(kMargin + (k % kColumns) * cell_.x() + 4,
@@ -266,11 +277,15 @@ class StepPages {
     const Vector2 corner = low + Vector2(0, 12);
     const double height = picture.image.height / pixels_;
     page.image(corner, corner + Vector2(picture.image.width / pixels_, height), std::move(picture.image));
+    std::vector<TurnedBox> taken;  // names do not lie on each other: the first ones say most
     for (const auto& [at, name] : picture.names) {
       const Vector2 half(helvetica_width(name, kLabel) / 2, kLabel / 2);
       const Vector2 middle = corner + Vector2(at.x() / pixels_, height - at.y() / pixels_);
-      const Vector2 a = middle - half - Vector2::Constant(0.5), c = middle + half + Vector2::Constant(0.5);
-      page.fill({a, {c.x(), a.y()}, c, {a.x(), c.y()}}, "#ffffff");
+      const TurnedBox box{middle, Vector2::UnitX(), half.x() + 0.5, half.y() + 0.5};
+      if (std::any_of(taken.begin(), taken.end(), [&](const TurnedBox& t) { return overlap(t, box); }))
+        continue;
+      taken.push_back(box);
+      page.fill(box.corners(), "#ffffff");
       page.text(middle - half, name, kLabel);
     }
     double y = low.y() + 7;
@@ -281,7 +296,7 @@ class StepPages {
   static std::vector<std::string> in_two(const std::string& text, double room) {
     std::vector<std::string> lines{""};
     for (std::size_t at = 0; at < text.size();) {
-      const std::size_t end = std::min(text.find(", ", at), text.size() - 1) + 1;
+      const std::size_t end = std::min(text.find(' ', at), text.size() - 1) + 1;
       const std::string piece = text.substr(at, end - at);
       if (helvetica_width(lines.back() + piece + " ...", 2.3) > room) {
         if (lines.size() == 2) {

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from xml.etree import ElementTree
 
 failures = []
 
@@ -30,9 +31,21 @@ def run(*command):
     return done.stdout.decode(errors="replace")
 
 
-def check_svg(folder):
+def check_svg(folder, parts):
     for name in ("layout.svg", "sheet.svg", "tabs.svg"):
         run("xmllint", "--noout", "--nonet", os.path.join(folder, name))
+    root = ElementTree.parse(os.path.join(folder, "sheet.svg")).getroot()
+    box = [float(x) for x in root.get("viewBox").split()]
+    expect(box == [0, 0, float(root.get("width")[:-2]), float(root.get("height")[:-2])], "sheet.svg: a unit is no millimetre")
+    total, ids = 0, [e.get("id") for e in root.iter() if e.get("id")]
+    expect(len(ids) == len(set(ids)), "sheet.svg: an id twice")
+    for path in root.iterfind(".//{*}g[@data-op='cut_outer']/{*}path"):
+        numbers = [float(x) for x in re.findall(r"-?[0-9.]+", path.get("d"))]
+        points = list(zip(numbers[::2], numbers[1::2]))
+        expect(path.get("d").endswith("Z"), "sheet.svg: an open cut")
+        expect(all(0 <= x <= box[2] and 0 <= y <= box[3] for x, y in points), "sheet.svg: a cut off the page")
+        total += length(points, True)
+    expect(abs(total - parts["totals"]["cut_mm"]) < 0.01, "sheet.svg: %.4f mm of cut" % total)
 
 
 def length(points, closed):
@@ -66,6 +79,25 @@ def check_dxf(folder, parts):
         expect(abs(total - parts["totals"]["cut_mm"]) < 0.01, "%s: %.4f mm of cut" % (path, total))
 
 
+def longest_dark_run(rows):
+    """Of pixels one beside the other, over all rows of a grey picture."""
+    return max(len(run) for row in rows for run in re.findall(rb"[\x00-\x80]+", row))
+
+
+def check_scale_box(path):
+    """The box on the cover, measured on the page as poppler draws it at ten pixels a millimetre."""
+    picture = path + ".cover"
+    run("pdftoppm", "-r", "254", "-f", "1", "-l", "1", "-gray", "-singlefile", path, picture)
+    with open(picture + ".pgm", "rb") as file:
+        kind, size, _, pixels = file.read().split(b"\n", 3)
+    width, height = [int(x) for x in size.split()]
+    expect(kind == b"P5" and len(pixels) == width * height, path + ": no picture of the cover")
+    upper = [pixels[y * width : (y + 1) * width] for y in range(height // 3)]
+    expect(abs(longest_dark_run(upper) - 1000) <= 5, "%s: the box of 100 mm is %.1f mm wide" % (path, longest_dark_run(upper) / 10))
+    columns = [bytes(row[x] for row in upper) for x in range(width // 2)]
+    expect(abs(longest_dark_run(columns) - 500) <= 5, "%s: the box of 50 mm is %.1f mm high" % (path, longest_dark_run(columns) / 10))
+
+
 def check_pdf(folder, parts):
     for name in ("sheet.pdf", "tiles.pdf"):
         path = os.path.join(folder, name)
@@ -74,6 +106,7 @@ def check_pdf(folder, parts):
         for part in parts["parts"]:
             expect(part["label"] in text, "%s: part %s is in no list" % (path, part["label"]))
         expect("100 x 50 mm" in text, "%s: no scale box" % path)
+        check_scale_box(path)
         expect('a "model" & more' in run("pdfinfo", path), "%s: another title" % path)
     sizes = set(re.findall(r"size:\s+([\d.]+) x ([\d.]+)", run("pdfinfo", "-f", "1", "-l", "99", os.path.join(folder, "tiles.pdf"))))
     expect(sizes == {("595.276", "841.89")}, "tiles.pdf: pages of %s points" % sizes)
@@ -92,7 +125,7 @@ def check_zip(folder):
     with zipfile.ZipFile(os.path.join(folder, "all.zip")) as archive:
         expect(archive.testzip() is None, "all.zip: a broken member")
         names = archive.namelist()
-        for wanted in ("sheet-1.svg", "sheet-1.dxf", "parts/A1.dxf", "blueprint.pdf", "blueprint.fold", "frame.stl", "parts.json", "parts.csv"):
+        for wanted in ("sheet-1.svg", "sheet-1.dxf", "parts/A1.dxf", "blueprint.pdf", "blueprint.fold", "blueprint.obj", "result/ruled.obj", "result/layout.json", "frame.stl", "parts.json", "parts.csv"):
             expect(wanted in names, "all.zip: no " + wanted)
 
 
@@ -104,7 +137,7 @@ def main():
         here = os.path.join(folder, model)
         with open(os.path.join(here, "parts.json"), encoding="utf-8") as file:
             parts = json.load(file)
-        check_svg(here)
+        check_svg(here, parts)
         check_dxf(here, parts)
         check_pdf(here, parts)
         check_fold(here)
