@@ -146,7 +146,9 @@ class PartMarks {
       ticks_.push_back({p, p + length * in});
       if (o_.notches == NotchStyle::kTick || o_.tabs != TabSides::kNone)
         draw(Operation::kNotch, {p, p + length * in}, seam.number);
-      taken_.push_back({p + length / 2 * in, in, length / 2 + 0.2, 0.3});
+      const bool vee = o_.notches == NotchStyle::kVee && o_.tabs == TabSides::kNone;
+      const double half = vee ? 0.3 * o_.notch_size + 0.2 : 0.3;  // the edge of a v is 0.6 of its size wide
+      taken_.push_back({p + length / 2 * in, in, length / 2 + 0.2, half});
     }
   }
 
