@@ -141,8 +141,25 @@ Vector3 normal_at(const Blueprint& b, int vertex, const std::array<int, 2>& patc
   return normal.norm() > 0 ? Vector3(normal.normalized()) : Vector3::UnitZ();
 }
 
-void add_number(StlWriter& out, const Blueprint& b, const Seam& seam, const FrameOptions& o) {
-  const StripMesh::Arch& arch = b.strips.arches[seam.arch];
+// What stands beside a rod: the parts on both sides and the seam's number, on short rods the number alone; at
+// the border the part.
+std::vector<std::string> texts_of(const Blueprint& b, const StripMesh::Arch& arch, int number) {
+  const std::string first = b.parts[arch.patches[0]].label;
+  if (number == 0) return {first};
+  const std::string digits = std::to_string(number);
+  return {first + '/' + b.parts[arch.patches[1]].label + ':' + digits, digits};
+}
+
+void add_text(StlWriter& out, const Blueprint& b, const StripMesh::Arch& arch, int number,
+              const FrameOptions& o) {
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < arch.vertices.size(); ++i)
+    length += b.scale * (b.strips.points[arch.vertices[i + 1]] - b.strips.points[arch.vertices[i]]).norm();
+  const std::vector<std::string> texts = texts_of(b, arch, number);
+  const auto text = std::find_if(texts.begin(), texts.end(), [&](const std::string& t) {
+    return stroke_text_width(t, o.text_height) <= 0.8 * length;
+  });
+  if (number == 0 && text == texts.end()) return;
   const std::size_t k = (arch.vertices.size() - 1) / 2;
   const Vector3 p = b.scale * b.strips.points[arch.vertices[k]],
                 q = b.scale * b.strips.points[arch.vertices[k + 1]];
@@ -150,8 +167,8 @@ void add_number(StlWriter& out, const Blueprint& b, const Seam& seam, const Fram
   Vector3 up = normal_at(b, arch.vertices[k], arch.patches);
   up -= up.dot(along) * along;
   if (!(up.norm() > 1e-9)) up = across(along);
-  raised_text(out, std::to_string(seam.number), o.text_height, (p + q) / 2, along, up.normalized(),
-              o.radius + o.text_height / 5);
+  raised_text(out, text == texts.end() ? texts.back() : *text, o.text_height, (p + q) / 2, along,
+              up.normalized(), o.radius + o.text_height / 5);
 }
 
 }  // namespace
@@ -169,8 +186,10 @@ std::string to_seam_frame_stl(const Blueprint& b, const FrameOptions& o) {
     nodes.insert({arch.vertices.front(), arch.vertices.back()});
   }
   for (int v : nodes) ball(out, b.scale * b.strips.points[v], 1.25 * o.radius, o.sides);
-  if (o.text_height > 0)
-    for (const Seam& seam : b.seams) add_number(out, b, seam, o);
+  std::vector<int> numbers(b.strips.arches.size(), 0);
+  for (const Seam& seam : b.seams) numbers[seam.arch] = seam.number;
+  for (std::size_t a = 0; o.text_height > 0 && a < numbers.size(); ++a)
+    if (numbers[a] > 0 || o.borders) add_text(out, b, b.strips.arches[a], numbers[a], o);
   // The format has 80 bytes for it: what fits of the origin, printable.
   std::string title = "seam frame in mm, sheetform " + b.origin.version + ", job " + b.origin.job +
                       ", input " + b.origin.input_digest;
