@@ -6,20 +6,6 @@
 namespace sheetform::server {
 namespace {
 
-struct FormatTitle {
-  const char *name, *title;
-};
-constexpr FormatTitle kFormats[] = {{"svg", "Sheets to cut, true to scale (SVG)"},
-                                    {"dxf", "Sheets to cut, in millimetres (DXF)"},
-                                    {"pdf", "Sheets to print, with parts list and assembly steps (PDF)"},
-                                    {"parts-svg", "One file a part (SVG)"},
-                                    {"parts-dxf", "One file a part (DXF)"},
-                                    {"fold", "Crease pattern and folded form (FOLD)"},
-                                    {"frame", "Frame of rods along the seams, to print in 3D (STL)"},
-                                    {"parts-json", "Parts with areas, lengths and order of assembly (JSON)"},
-                                    {"parts-csv", "Parts as a table (CSV)"},
-                                    {"zip", "All of these in one archive (ZIP)"}};
-
 std::vector<Profile> own_profiles(const std::string& json) {
   return json.empty() ? std::vector<Profile>{} : read_profiles(json);
 }
@@ -32,14 +18,17 @@ void check_profiles(const std::string& json) { (void)own_profiles(json); }
 
 api::Json exports_document(const std::string& root, const std::string& profiles) {
   api::Json formats = api::Json::array(), parameters = api::Json::array();
-  for (const FormatTitle& f : kFormats)
-    formats.push_back({{"format", f.name}, {"title", f.title}, {"href", root + "/" + f.name}});
-  for (const ExportParameter& p : export_parameters()) {
-    api::Json one{{"name", p.name}, {"default", p.otherwise}, {"text", p.text}};
+  for (const ExportFormatText& f : export_formats())
+    formats.push_back(
+        {{"format", f.name}, {"title", f.text}, {"type", f.media_type}, {"href", root + "/" + f.name}});
+  for (const ExportParameter& p : export_parameters(own_profiles(profiles))) {
+    api::Json one{
+        {"name", p.name}, {"default", p.otherwise}, {"text", p.text}, {"type", p.type}, {"group", p.group}};
+    if (!p.unit.empty()) one["unit"] = p.unit;
+    if (p.low) one["minimum"] = *p.low, one["maximum"] = *p.high;
     if (!p.choices.empty()) one["choices"] = p.choices;
-    if (p.name == "profile")
-      for (const Profile& own : own_profiles(profiles)) one["choices"].push_back(own.name);
     if (p.open) one["open"] = true;
+    if (!p.formats.empty()) one["formats"] = p.formats;
     parameters.push_back(std::move(one));
   }
   return {{"formats", formats}, {"parameters", parameters}};

@@ -32,7 +32,7 @@ class Exports(ServerCase):
         self.assertIn(f'<{self.base}>; rel="exports"', results.headers["Link"])
 
     def test_every_format_can_be_had(self):
-        starts = {"svg": b"<?xml", "dxf": b"999", "pdf": b"%PDF", "parts-svg": b"<?xml", "parts-dxf": b"999", "fold": b"{",
+        starts = {"svg": b"<?xml", "dxf": b"999", "pdf": b"%PDF", "parts-svg": b"<?xml", "parts-dxf": b"999", "fold": b"{", "obj": b"#",
                   "frame": b"sheetform", "parts-json": b"{", "parts-csv": b"label", "zip": b"PK"}
         listed = self.server.get(self.base).json()["formats"]
         self.assertEqual({f["format"] for f in listed}, set(starts))

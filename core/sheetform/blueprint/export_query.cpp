@@ -73,10 +73,10 @@ Entry choice(const char* name, const char* text, std::function<T&(ExportRequest&
   ExportParameter described{name, "", text, type, "", ""};
   ExportRequest plain;
   for (const auto& [word, value] : values) {
-    described.values.push_back(word);
+    described.choices.push_back(word);
     if (value == field(plain)) described.otherwise = word;
   }
-  const std::string list = joined(described.values);
+  const std::string list = joined(described.choices);
   return {std::move(described), [=, values = std::move(values)](ExportRequest& r, const std::string& v) {
             for (const auto& [word, value] : values)
               if (word == v) return void(field(r) = value);
@@ -101,9 +101,10 @@ std::optional<SheetSize> find_size(std::string_view name);
 Entry size(const char* name, const char* zero, const char* text,
            std::function<void(ExportRequest&, SheetSize)> take) {
   ExportParameter described{name, zero, text, "size", "mm", ""};
-  described.values.push_back(zero);
-  for (const auto& preset : sheet_presets()) described.values.push_back(preset.first);
-  const std::string list = joined(described.values);
+  described.open = true;
+  described.choices.push_back(zero);
+  for (const auto& preset : sheet_presets()) described.choices.push_back(preset.first);
+  const std::string list = joined(described.choices);
   return {std::move(described), [=](ExportRequest& r, const std::string& v) {
             const std::optional<SheetSize> found = v == zero ? SheetSize{0, 0} : find_size(v);
             if (!found) refuse(name, list + " or WIDTHxHEIGHT in mm");
@@ -118,7 +119,7 @@ std::vector<Entry> sheet_entries() {
       Entry{{"model_size", "0", "Longest side of the finished model; 0: as it was decomposed", "number", "mm",
              "", sizes.low, sizes.high},
             [](ExportRequest& r, const std::string& v) { r.model_size = number("model_size", v); }},
-      size("sheet_size", "auto", "Sheet; auto is one page as large as the parts need",
+      size("sheet_size", "auto", "Sheet, WIDTHxHEIGHT in mm; auto is one page as large as the parts need",
            [](ExportRequest& r, SheetSize s) {
              r.blueprint.sheet_width = s.width, r.blueprint.sheet_height = s.height;
            }),
@@ -141,7 +142,8 @@ std::vector<Entry> sheet_entries() {
              "",
              sheets.low,
              sheets.high,
-             {"all"}},
+             {"all"},
+             true},
             [](ExportRequest& r, const std::string& v) { r.sheet = v == "all" ? 0 : whole("sheet", v); }}
           .only_for({"svg", "dxf"}),
       Entry{{"part", "", "One part alone, by its label; empty for all", "text", "", ""},
@@ -187,7 +189,7 @@ std::vector<Entry> joint_entries() {
   ExportParameter material{
       "material", "", "Material that is checked for its smallest bending radius; empty: none",
       "choice",   "", ""};
-  material.values = material_names();
+  material.choices = material_names();
   return {
       choice<TabSides>("tabs", "Toothed glue tabs along the seams", &O::tabs,
                        {{"none", TabSides::kNone},
@@ -230,7 +232,7 @@ std::vector<Entry> file_entries() {
                     .only_for({"dxf", "parts-dxf", "zip"}));
   const std::vector<std::string> pdf{"pdf", "zip"}, frame{"frame", "zip"};
   out.push_back(
-      size("page", "sheet", "A page a sheet, or the size of pages over which sheets are tiled",
+      size("page", "sheet", "A page a sheet, or the size of the pages to print on, WIDTHxHEIGHT in mm",
            [](ExportRequest& r, SheetSize s) { r.pdf.page_width = s.width, r.pdf.page_height = s.height; })
           .only_for(pdf));
   out.push_back(real("page_margin", "mm", "What the printer leaves white", kPdf, &PdfOptions::page_margin)
@@ -268,6 +270,7 @@ const std::vector<Entry>& entries() {
     for (const auto& [name, group] : groups)
       for (Entry& e : group()) {
         e.described.group = name;
+        if (e.described.type == "number") e.described.text += " (" + e.described.unit + ")";
         out.push_back(std::move(e));
       }
     return out;
@@ -340,24 +343,24 @@ std::vector<ExportParameter> export_parameters(const std::vector<Profile>& own) 
     out.push_back(e.described);
     if (e.described.name != "profile") continue;
     for (const std::vector<Profile>* list : {&own, &built_in_profiles()})
-      for (const Profile& p : *list) out.back().values.push_back(p.name);
+      for (const Profile& p : *list) out.back().choices.push_back(p.name);
   }
   return out;
 }
 
 const std::vector<ExportFormatText>& export_formats() {
   static const std::vector<ExportFormatText> formats = {
-      {"svg", "image/svg+xml", "Sheets to cut, for laser cutters and plotters"},
-      {"dxf", "image/vnd.dxf", "Sheets to cut, for CAD and CAM"},
-      {"parts-svg", "image/svg+xml", "Each part in a file of its own"},
-      {"parts-dxf", "image/vnd.dxf", "Each part in a file of its own, as online shops want it"},
-      {"pdf", "application/pdf", "To print: a page a sheet or tiled, with cover, lists and assembly steps"},
-      {"fold", "application/json", "FOLD 1.2: crease pattern and folded form"},
-      {"obj", "model/obj", "The model in mm with the place on the sheets as texture coordinates"},
-      {"frame", "model/stl", "Rods along the seams to print and glue the parts onto"},
-      {"parts-json", "application/json", "List of parts, seams, assembly steps and totals"},
-      {"parts-csv", "text/csv", "List of parts for a spreadsheet"},
-      {"zip", "application/zip", "All of it, with the result itself"}};
+      {"svg", "image/svg+xml", "Sheets to cut, true to scale (SVG)"},
+      {"dxf", "image/vnd.dxf", "Sheets to cut, in millimetres (DXF)"},
+      {"parts-svg", "image/svg+xml", "One file a part (SVG)"},
+      {"parts-dxf", "image/vnd.dxf", "One file a part, as online shops want it (DXF)"},
+      {"pdf", "application/pdf", "Sheets to print, with cover, parts list and assembly steps (PDF)"},
+      {"fold", "application/json", "Crease pattern and folded form (FOLD)"},
+      {"obj", "model/obj", "Model with the sheets as texture (OBJ)"},
+      {"frame", "model/stl", "Frame of rods along the seams, to print in 3D (STL)"},
+      {"parts-json", "application/json", "Parts with areas, lengths and order of assembly (JSON)"},
+      {"parts-csv", "text/csv", "Parts as a table (CSV)"},
+      {"zip", "application/zip", "All of these and the result in one archive (ZIP)"}};
   return formats;
 }
 

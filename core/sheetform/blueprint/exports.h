@@ -57,8 +57,8 @@ struct ExportParameter {
   std::string unit;       ///< "mm", "degrees" or empty
   std::string group;      ///< "sheet", "marks", "joints", "file"
   std::optional<double> low = std::nullopt, high = std::nullopt;  ///< of numbers, both allowed
-  /// Of a choice or switch all that is allowed; of a size the presets beside WIDTHxHEIGHT in mm.
-  std::vector<std::string> values = {};
+  std::vector<std::string> choices = {};                          ///< words that it takes
+  bool open = false;                      ///< takes other values too: numbers in range, WIDTHxHEIGHT in mm
   std::vector<std::string> formats = {};  ///< those that it has an effect on; empty: all
 };
 /// own: the operator's profiles, which are among the values of "profile".

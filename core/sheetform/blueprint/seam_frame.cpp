@@ -191,7 +191,7 @@ std::string to_seam_frame_stl(const Blueprint& b, const FrameOptions& o) {
   for (std::size_t a = 0; o.text_height > 0 && a < numbers.size(); ++a)
     if (numbers[a] > 0 || o.borders) add_text(out, b, b.strips.arches[a], numbers[a], o);
   // The format has 80 bytes for it: what fits of the origin, printable.
-  std::string title = "seam frame in mm, sheetform " + b.origin.version + ", job " + b.origin.job +
+  std::string title = "sheetform " + b.origin.version + " seam frame in mm, job " + b.origin.job +
                       ", input " + b.origin.input_digest;
   std::replace_if(
       title.begin(), title.end(), [](char c) { return c < ' ' || c > '~'; }, '?');

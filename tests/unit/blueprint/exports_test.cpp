@@ -160,11 +160,11 @@ TEST(Exports, ParametersSayAllThatAFormNeeds) {
     EXPECT_THAT((std::set<std::string>{"number", "integer", "choice", "switch", "size", "text"}),
                 Contains(p.type))
         << p.name;
-    EXPECT_EQ(p.values.empty(),
+    EXPECT_EQ(p.choices.empty(),
               p.type == "number" || p.type == "text" || (p.type == "integer" && p.name != "sheet"))
         << p.name;
-    if (!p.values.empty()) {
-      EXPECT_THAT(p.values, Contains(p.otherwise)) << p.name;
+    if (!p.choices.empty()) {
+      EXPECT_THAT(p.choices, Contains(p.otherwise)) << p.name;
     }
     EXPECT_EQ(p.low.has_value(), p.type == "number" || p.type == "integer") << p.name;
     EXPECT_EQ(p.high.has_value(), p.low.has_value());
@@ -187,7 +187,7 @@ TEST(Exports, WhatIsAllowedIsTakenAndWhatIsNotIsRefused) {
   const std::map<std::string, std::string> room{
       {"hinges", "on"}, {"material", "plywood"}, {"thickness", "2"}, {"sheet_size", "a0"}};
   for (const ExportParameter& p : export_parameters()) {
-    for (const std::string& value : p.values) {
+    for (const std::string& value : p.choices) {
       std::map<std::string, std::string> query =
           p.name == "hinges" || p.name == "margin" ? room : decltype(room){};
       query[p.name] = value;
@@ -285,9 +285,9 @@ TEST(Exports, OperatorsProfilesAreOffered) {
   const auto own = read_profiles(R"({"profiles": [{"name": "ours"}]})");
   for (const ExportParameter& p : export_parameters(own))
     if (p.name == "profile") {
-      EXPECT_THAT(p.values, Contains("ours"));
-      EXPECT_THAT(p.values, Contains("makerspace"));
-      EXPECT_THAT(p.values, Contains("lightburn"));
+      EXPECT_THAT(p.choices, Contains("ours"));
+      EXPECT_THAT(p.choices, Contains("makerspace"));
+      EXPECT_THAT(p.choices, Contains("lightburn"));
     }
 }
 

@@ -278,7 +278,8 @@ TEST(Files, NotchesOfASheetMatchInCodeAndPlace) {
       EXPECT_EQ(ticks.size(), b.seams.size());
       for (const auto& [seam, sides] : ticks) {
         ASSERT_EQ(sides.size(), 2u) << "seam " << seam;
-        const auto& [first_part, first] = *sides.begin(), &[ second_part, second ] = *sides.rbegin();
+        const auto& [first_part, first] = *sides.begin();
+        const auto& [second_part, second] = *sides.rbegin();
         const std::vector<double> here = tick_gaps(outlines.at(first_part), first);
         std::vector<double> there = tick_gaps(outlines.at(second_part), second);
         // Joined, the outlines run against each other, whichever face is marked.
