@@ -125,9 +125,10 @@ class Picture {
 };
 
 struct Camera {
-  Vector3 right, up, eye, middle;
-  double scale = 1;  // pixels for one unit of the mesh
-  Vector2 center;    // pixels
+  Vector3 axis = Vector3::Zero();  // of the model, points up in the picture
+  Vector3 right = Vector3::Zero(), up = Vector3::Zero(), eye = Vector3::Zero(), middle = Vector3::Zero();
+  double scale = 1;                  // pixels for one unit of the mesh
+  Vector2 center = Vector2::Zero();  // pixels
   Vector3 operator()(const Vector3& p) const {
     return {center.x() + scale * right.dot(p - middle), center.y() - scale * up.dot(p - middle),
             scale * eye.dot(p - middle)};
@@ -155,22 +156,26 @@ double shown(const Blueprint& b, int part, const Vector3& eye) {
   return sum;
 }
 
-// One scale for all pictures: whatever the view, the whole model is on it.
-Camera camera_for(const Blueprint& b, const std::vector<Vector3>& all, const Vector3& eye, UpAxis axis,
-                  int width, int height) {
-  const Vector3 up_axis = axis == UpAxis::kZ ? Vector3::UnitZ() : Vector3::UnitY();
-  Camera c;
+Camera seen_from(const Vector3& eye, Camera c) {
   c.eye = eye;
-  c.right = up_axis.cross(eye).normalized(), c.up = eye.cross(c.right);
+  c.right = c.axis.cross(eye).normalized(), c.up = eye.cross(c.right);
+  return c;
+}
+
+// One scale for all pictures: whatever the view, the whole model is on it.
+Camera camera_for(const Blueprint& b, const std::vector<Vector3>& all, UpAxis axis, int width, int height) {
+  Camera c;
+  c.axis = axis == UpAxis::kZ ? Vector3::UnitZ() : Vector3::UnitY();
   Eigen::AlignedBox3d box;
   for (const Vector3& p : b.strips.points) box.extend(p);
   c.middle = box.center(), c.center = Vector2(width, height) / 2;
-  double share = 1e-12;  // of half the picture that a model of scale 1 takes
-  for (const Vector3& view : all) {
-    const Vector3 right = up_axis.cross(view).normalized(), up = view.cross(right);
+  const Vector2 room = c.center - Vector2::Constant(3);
+  double share = 1e-12;  // of that room which a model of scale 1 takes
+  for (const Vector3& eye : all) {
+    const Camera view = seen_from(eye, c);
     for (const Vector3& p : b.strips.points)
-      share = std::max({share, std::abs(right.dot(p - c.middle)) / (width / 2 - 3),
-                        std::abs(up.dot(p - c.middle)) / (height / 2 - 3)});
+      share = std::max({share, std::abs(view.right.dot(p - c.middle)) / room.x(),
+                        std::abs(view.up.dot(p - c.middle)) / room.y()});
   }
   c.scale = 1 / share;
   return c;
@@ -244,14 +249,15 @@ class StepPages {
     const std::vector<AssemblyStep> steps = assembly_order(b_);
     const std::vector<Vector3> all = views(up_);
     const std::string colours = palette();
+    const int w = static_cast<int>(size_.x() * pixels_), h = static_cast<int>(size_.y() * pixels_);
+    const Camera camera = camera_for(b_, all, up_, w, h);
     Vector3 eye = all.front();
     for (std::size_t first = 0; first < steps.size(); first += kColumns * kRows) {
       PdfPage page(width_, height_);
       page.text({kMargin + 4, height_ - kMargin - 4}, "Assembly: the new part is orange", 3.2);
       for (std::size_t i = first; i < std::min(steps.size(), first + kColumns * kRows); ++i) {
         eye = next_view(all, eye, steps[i].part);
-        const int w = static_cast<int>(size_.x() * pixels_), h = static_cast<int>(size_.y() * pixels_);
-        StepPicture picture = draw_step(b_, steps, i, camera_for(b_, all, eye, up_, w, h), w, h);
+        StepPicture picture = draw_step(b_, steps, i, seen_from(eye, camera), w, h);
         picture.image.palette = colours;
         const auto k = static_cast<int>(i - first);
         const Vector2 low(kMargin + (k % kColumns) * cell_.x() + 4,
