@@ -100,7 +100,7 @@ std::optional<SheetSize> find_size(std::string_view name);
 // A preset, WIDTHxHEIGHT in mm, or a word for a size of zero.
 Entry size(const char* name, const char* zero, const char* text,
            std::function<void(ExportRequest&, SheetSize)> take) {
-  ExportParameter described{name, zero, text, "size", "mm", ""};
+  ExportParameter described{name, zero, text, "size", "", ""};
   described.open = true;
   described.choices.push_back(zero);
   for (const auto& preset : sheet_presets()) described.choices.push_back(preset.first);

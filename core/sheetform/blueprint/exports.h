@@ -54,7 +54,7 @@ struct ExportParameter {
   std::string otherwise;  ///< the default, as in a query
   std::string text;       ///< a sentence for people
   std::string type;       ///< "number", "integer", "choice", "switch" (on, off), "size", "text"
-  std::string unit;       ///< "mm", "degrees" or empty
+  std::string unit;       ///< of numbers: "mm", "degrees"
   std::string group;      ///< "sheet", "marks", "joints", "file"
   std::optional<double> low = std::nullopt, high = std::nullopt;  ///< of numbers, both allowed
   std::vector<std::string> choices = {};                          ///< words that it takes

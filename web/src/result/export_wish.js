@@ -15,10 +15,11 @@ const TITLES = {
   dxf: "DXF version",
   oversize: "If a part is larger",
   bar: "100 mm bar",
+  up: "Axis that points up",
 };
 
 const GROUPS = [
-  ["Sheets", ["margin", "gap", "turns", "grain", "copies", "face"]],
+  ["Sheets", ["model_size", "margin", "gap", "turns", "grain", "copies", "face"]],
   [
     "Marks",
     [
@@ -27,7 +28,7 @@ const GROUPS = [
     ],
   ],
   ["Joints and material", ["tab_depth", "tab_angle", "tab_pitch", "thickness", "surface", "material", "hinges"]],
-  ["Files", ["dxf", "page_margin", "page_overlap", "cover", "steps", "frame_radius", "frame_text", "frame_borders"]],
+  ["Files", ["dxf", "page_margin", "page_overlap", "cover", "steps", "up", "frame_radius", "frame_text", "frame_borders"]],
 ];
 
 /** A short title: the known ones, or the name as words. */
@@ -45,13 +46,14 @@ export function wordOf(name, value) {
   return value.replace(/^(\d+)x(\d+)$/, "$1 × $2 mm") || "none";
 }
 
-/** The unit that a parameter's text begins with; empty when it has none. */
-export const unitOf = ({ text }) => (/^mm\b/.test(text) ? "mm" : /^Degrees\b/.test(text) ? "°" : "");
+/** The unit of a parameter, as the server says it or as its text begins; empty when it has none. */
+export const unitOf = ({ unit, text }) =>
+  ({ mm: "mm", degrees: "°" })[unit] ?? (/^mm\b/.test(text) ? "mm" : /^Degrees\b/.test(text) ? "°" : "");
 
 /** A parameter's text without what its field says anyway: the unit in front, the choices behind. */
 export function hintOf({ text, choices = [] }) {
   const tail = [`: ${choices.join(", ")}`, ": on or off"].find((end) => text.endsWith(end)) ?? "";
-  const rest = text.slice(0, text.length - tail.length).replace(/^mm,? ?/, "");
+  const rest = text.slice(0, text.length - tail.length).replace(/^mm,? ?| \((mm|degrees)\)$/g, "");
   return rest && rest[0].toUpperCase() + rest.slice(1);
 }
 
