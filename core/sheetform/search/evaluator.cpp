@@ -117,10 +117,20 @@ void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
   for (int i = 0; i < e.polygon.size(); ++i) add(i, i, 0, 0.02 * area / e.polygon.size());
 }
 
+// Whether the outline between two consecutive polygon points is a seam: what lies beyond is the neighbour's.
+bool on_seam(const PatchLayout& layout, const Patch& patch, const PatchPolygon& polygon, int a, int b) {
+  const int n = polygon.size();
+  if (b == (a + n - 1) % n) std::swap(a, b);
+  if (b != (a + 1) % n) return false;
+  const Arch& arch = layout.arches[patch.boundary[polygon.origin[a].use].arch];
+  return arch.left != Arch::kOutside && arch.right != Arch::kOutside;
+}
+
 // Every vertex of the patch, and every point that the working mesh misses, against the strip triangle above
-// it: bulges and tips outside of all rulings are seen.
-void coverage_samples(const SearchSurface& surface, const Patch& patch, const ChartRaster& raster,
-                      PatchEvaluation& e) {
+// it: bulges and tips outside of all rulings are seen. Points between a path and the coarser outline that was
+// sampled from it count where the outline is.
+void coverage_samples(const SearchSurface& surface, const PatchLayout& layout, const Patch& patch,
+                      const ChartRaster& raster, PatchEvaluation& e) {
   const auto cells = strip_cells(raster, e.polygon, e.rulings);
   const PatchChart& chart = *e.chart;
   const auto add = [&](const Vector2& u, const Vector3& target, const Vector3& normal, double weight) {
@@ -135,6 +145,14 @@ void coverage_samples(const SearchSurface& surface, const Patch& patch, const Ch
     s.unknown = tri;
     s.coefficient = w;
     s.target = target;
+    for (int k = 0; k < 3; ++k) {
+      if (w[k] > 0 || !on_seam(layout, patch, e.polygon, tri[(k + 1) % 3], tri[(k + 2) % 3])) continue;
+      const Vector2 inside =
+          w[0] * e.polygon.uv[tri[0]] + w[1] * e.polygon.uv[tri[1]] + w[2] * e.polygon.uv[tri[2]];
+      const int below = raster.triangle_at(inside), there = raster.triangle_at(u);
+      if (below >= 0 && there >= 0) s.target += raster.lift(below, inside) - raster.lift(there, u);
+      break;
+    }
     s.normal = normal;
     s.weight = weight;
     s.covers = true;
@@ -386,7 +404,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   }
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
   chord_samples(raster, patch.area, *e);
-  coverage_samples(surface_, patch, raster, *e);
+  coverage_samples(surface_, layout, patch, raster, *e);
 
   // The patch alone: every outline point is free.
   MorphProblem problem;
