@@ -33,6 +33,12 @@ class Submitters:
             else:
                 self.refused += 1
 
+    def wait_for_one(self, seconds):
+        """Until another job is acknowledged, at most so long."""
+        count, deadline = len(self.acknowledged), time.monotonic() + seconds
+        while len(self.acknowledged) == count and time.monotonic() < deadline:
+            time.sleep(0.005)
+
     def __enter__(self):
         for t in self.threads:
             t.start()
@@ -68,6 +74,8 @@ def kill_loop(figures, long, rng):
     with Server("--slots", "2", "--quiet") as server:
         with Submitters(server, 4, 0.2 if long else 0.01) as submitters:
             for _ in range(kills):
+                if rng.random() < 0.7:  # on a slow machine a server would else be killed before it can do anything
+                    submitters.wait_for_one(5)
                 time.sleep(rng.uniform(0.02, 0.4))
                 server.stop(signal.SIGKILL)
                 begun = time.monotonic()
