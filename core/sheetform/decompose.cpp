@@ -97,8 +97,9 @@ PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& 
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
   PreparedMesh prepared = prepare(mesh, crease, wanted, context);
-  for (int attempt = 0; attempt < 2 && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max;
-       ++attempt) {
+  const int attempts = effort == Effort::kDraft ? 0 : 2;
+  for (int attempt = 0;
+       attempt < attempts && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max; ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
     if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
     prepared = prepare(mesh, crease, wanted, context);

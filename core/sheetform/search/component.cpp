@@ -15,6 +15,9 @@ namespace {
 constexpr double kMeasured = 0.993;
 constexpr int kQuickSamples = 4000, kSamples = 20000;  // the latter as the certificate takes them
 
+constexpr int kFinerAttempts = 3;
+constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
+
 class Laps {
  public:
   explicit Laps(std::map<std::string, double>& seconds) : seconds_(seconds), last_(Clock::now()) {}
@@ -211,7 +214,16 @@ class ComponentRun {
 
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
                                     RunContext& context) {
-  return ComponentRun(input, params, context).run();
+  ComponentParams now = params;
+  for (int attempt = 0;; ++attempt) {
+    ComponentResult result = ComponentRun(input, now, context).run();
+    const auto defects =
+        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0);
+    if (attempt > 0) result.notes.push_back(kFiner);
+    if (attempt == kFinerAttempts || defects.empty()) return result;
+    // Two sides of a plate thinner than the tolerance may have become one: finer parts keep them apart.
+    now.evaluation.e_max /= 2;
+  }
 }
 
 }  // namespace sheetform
