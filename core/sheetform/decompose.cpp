@@ -88,8 +88,12 @@ double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working) {
   return std::sqrt(worst);
 }
 
-PreparedMesh prepared_component(const SurfaceMesh& mesh, const DecomposeParams& params, Effort effort,
+// Height below which triangles say nothing about creases.
+constexpr double kSliver = 5e-4;
+
+PreparedMesh prepared_component(const SurfaceMesh& input, const DecomposeParams& params, Effort effort,
                                 double e_max, const RunContext& context) {
+  const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, kSliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
   double wanted = working_edge_length(mesh, e_max, effort);
