@@ -41,6 +41,11 @@ it("tries other tolerances and draws them", async () => {
   await page.locator(".trade-off .busy").waitFor({ state: "detached" });
   await page.locator(".trade-off").scrollIntoViewIfNeeded();
   await window.shot("draft-2-curve");
+  const points = await page.locator(".chart a").count();
+  await page.getByRole("radio", { name: "Length to cut" }).check();
+  await page.locator(".chart").getByText("metres to cut").waitFor();
+  assert.equal(await page.locator(".chart a").count(), points);
+  await window.shot("draft-3-cut");
 });
 
 it("opens the result of a point", async () => {

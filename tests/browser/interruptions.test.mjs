@@ -62,6 +62,7 @@ it("a server restart in mid-job is survived without a hand's turn", async () => 
 it("the list of jobs survives, too", async () => {
   await window.goto("#");
   for (const name of ["reload", "cancel", "restart"]) await page.locator(".card", { hasText: name }).first().waitFor();
+  await page.locator(".card.successful", { hasText: "restart" }).locator("img").first().waitFor();
 });
 
 it("had nothing else to complain about", () => {

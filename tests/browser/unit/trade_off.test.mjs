@@ -45,6 +45,20 @@ it("marks what no other result beats", () => {
   );
 });
 
+it("measures the length to cut, each seam twice, and can judge by it", () => {
+  const cut = (id, error, patches, cut_length, border_length) =>
+    job(id, error, error, patches, { report: { hausdorff: error, patches, cut_length, border_length } });
+  const all = [cut("a", 0.01, 4, 3, 1), cut("b", 0.02, 9, 2, 1), cut("c", 0.03, 2, 4, 0)];
+  assert.deepEqual(
+    curve(all[0], all, "cut").map((p) => [p.job.jobID, p.cost, p.best]),
+    [
+      ["a", 7, true],
+      ["b", 5, true],
+      ["c", 8, false],
+    ],
+  );
+});
+
 it("asks for no tolerance twice", () => {
   const a = job("a", SWEEP[0], 0.05, 3);
   const b = job("b", SWEEP[1], 0, 0, { status: "running" });

@@ -3,7 +3,8 @@
 /**
  * @param part with outline (vertices) and outlineSeams (the seam from each vertex to the next, below 0: none)
  * @param points coordinates of all vertices, `size` for each
- * @returns [{seam, at}], one for every run of edges of the same seam; a seam of the part with itself has two
+ * @returns [{seam, at, vertex}], one for every run of edges of the same seam (a seam of the part with itself has two);
+ *   vertex = the outline's vertex before the place
  */
 export function seamPlaces({ outline, outlineSeams }, points, size) {
   const n = outline.length;
@@ -18,8 +19,9 @@ export function seamPlaces({ outline, outlineSeams }, points, size) {
     const seam = seams[(first + k) % n];
     let end = k;
     while (end < n && seams[(first + end) % n] === seam) end++;
-    const run = Array.from({ length: end - k + 1 }, (_, step) => pointOf(points, outline[(first + k + step) % n], size));
-    if (seam >= 0) places.push({ seam, at: middleOf(run) });
+    const vertices = Array.from({ length: end - k + 1 }, (_, step) => outline[(first + k + step) % n]);
+    const middle = middleOf(vertices.map((v) => pointOf(points, v, size)));
+    if (seam >= 0) places.push({ seam, at: middle.at, vertex: vertices[middle.after] });
     k = end;
   }
   return places;
@@ -28,16 +30,16 @@ export function seamPlaces({ outline, outlineSeams }, points, size) {
 const pointOf = (points, v, size) => Array.from({ length: size }, (_, axis) => points[size * v + axis]);
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => b[axis] - value));
 
-/** The point half way along a polyline. */
+/** The point half way along a polyline, and the place in the list of the point before it. */
 function middleOf(run) {
   const lengths = run.slice(1).map((point, k) => distance(run[k], point));
   let left = lengths.reduce((sum, length) => sum + length, 0) / 2;
   for (let k = 0; k < lengths.length; k++) {
     if (left <= lengths[k]) {
       const share = lengths[k] > 0 ? left / lengths[k] : 0;
-      return run[k].map((value, axis) => value + share * (run[k + 1][axis] - value));
+      return { at: run[k].map((value, axis) => value + share * (run[k + 1][axis] - value)), after: k };
     }
     left -= lengths[k];
   }
-  return run.at(-1);
+  return { at: run.at(-1), after: run.length - 1 };
 }

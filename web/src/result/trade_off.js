@@ -16,24 +16,26 @@ export function relatives(job, all) {
   return all.filter((other) => family(other) === mine);
 }
 
+/** What a result costs: its parts, or the length of all outlines in diagonals (a seam is cut twice). */
+export const COSTS = {
+  parts: ({ patches }) => patches,
+  cut: ({ cut_length, border_length = 0 }) => 2 * cut_length + border_length,
+};
+
 /**
- * Points of the curve: {job, error (fraction), parts, cut (diagonals), best} by growing error; `best` where no other
- * point has both less error and fewer parts.
+ * Points of the curve: {job, error (fraction), cost, best} by growing error; `best` where no other point has both less
+ * error and less cost. `measure` is a name of COSTS.
  */
-export function curve(job, all) {
+export function curve(job, all, measure = "parts") {
   const points = relatives(job, all)
     .filter((other) => other.status === "successful" && Number.isFinite(other.report?.hausdorff))
-    .map((other) => ({
-      job: other,
-      error: other.report.hausdorff,
-      parts: other.report.patches,
-      cut: other.report.cut_length ?? NaN,
-    }))
-    .sort((a, b) => a.error - b.error || a.parts - b.parts);
-  let fewest = Infinity;
+    .map((other) => ({ job: other, error: other.report.hausdorff, cost: COSTS[measure](other.report) }))
+    .filter(({ cost }) => Number.isFinite(cost))
+    .sort((a, b) => a.error - b.error || a.cost - b.cost);
+  let least = Infinity;
   for (const point of points) {
-    point.best = point.parts < fewest;
-    fewest = Math.min(fewest, point.parts);
+    point.best = point.cost < least;
+    least = Math.min(least, point.cost);
   }
   return points;
 }

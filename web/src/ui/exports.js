@@ -1,4 +1,4 @@
-// Files for one's own machine: chosen after the computation, drawn again from the stored result, shown before they are taken.
+// Files for one's own machine: chosen after the computation, drawn from the stored result, shown before they are taken.
 import { getExports, getJson, getText } from "../api.js";
 import { h, replace } from "../dom.js";
 import { count, duration, metres, percent } from "../format.js";

@@ -282,9 +282,15 @@ export class ResultObject {
     return { part, seam: best.seam };
   }
 
-  /** The middle of a part as it stands now. */
-  centerOf(part) {
-    return centerOf(part, this.position);
+  /** A vertex' normal as it stands now, outwards. */
+  normalOf(v) {
+    return Array.from(this.geometry.attributes.normal.array.subarray(3 * v, 3 * v + 3));
+  }
+
+  /** Whether the parts close in on each other, so that what looks away is behind something. */
+  get closed() {
+    const { explode, fold, only } = this.state;
+    return explode === 0 && fold >= 1 && only === null;
   }
 
   dispose() {

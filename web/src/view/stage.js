@@ -171,8 +171,9 @@ export class Stage {
 
   placeLabels() {
     if (!this.viewport) return;
-    for (const { at, element } of this.marked ?? []) {
-      const pixel = this.viewport.project(at);
+    for (const { at, normal, element } of this.marked ?? []) {
+      const behind = normal && this.result?.closed && !this.viewport.faces(at, normal);
+      const pixel = behind ? null : this.viewport.project(at);
       element.hidden = !pixel;
       if (pixel)
         element.style.transform = `translate(${pixel[0].toFixed(1)}px, ${pixel[1].toFixed(1)}px) translate(-50%, -50%)`;
@@ -266,27 +267,24 @@ export class Stage {
     return () => this.selectionListeners.delete(listener);
   }
 
-  /** Names in the 3D view: of the chosen part and its seams, or of the chosen seam. */
+  /** Numbers in the 3D view: of the chosen part's seams, or of the chosen seam. */
   markSelection() {
     if (!this.result) return;
     const { selected, seam } = this.selection;
     const { parts, seams } = this.model;
-    const tag = (text, look, id) =>
-      h(
-        "span",
-        { class: `seam-tag ${look}`, onclick: id === null ? null : () => this.choose({ part: null, seam: id }) },
-        text,
-      );
-    const shown = selected !== null ? [parts[selected]] : parts.filter((part) => seam !== null && part.seams.includes(seam));
-    this.marked = shown.flatMap((part) => [
-      { at: this.result.centerOf(part), element: tag(part.label, "part-tag", null) },
-      ...seamPlaces(part, this.result.position, 3)
+    const tag = (text, id) =>
+      h("span", { class: "seam-tag", onclick: () => this.choose({ part: null, seam: id }) }, text);
+    const joined = (part) => seam !== null && part.seams.includes(seam);
+    const shown = selected !== null ? [parts[selected]] : parts.filter(joined);
+    this.marked = shown.flatMap((part) =>
+      seamPlaces(part, this.result.position, 3)
         .filter((place) => selected !== null || place.seam === seam)
         .map((place) => ({
           at: place.at,
-          element: tag(seams.find((item) => item.id === place.seam)?.name ?? place.seam, "", place.seam),
+          normal: this.result.normalOf(place.vertex),
+          element: tag(seams.find((item) => item.id === place.seam)?.name ?? place.seam, place.seam),
         })),
-    ]);
+    );
     replace(
       this.labels,
       this.marked.map((mark) => mark.element),

@@ -210,6 +210,13 @@ export class Viewport {
     return [((at.x + 1) / 2) * this.host.clientWidth, ((1 - at.y) / 2) * this.host.clientHeight];
   }
 
+  /** Whether something at `point` with this normal looks to the viewer; both of the model. */
+  faces(point, normal) {
+    const at = this.root.localToWorld(new Vector3(...point));
+    const away = new Vector3(...normal).transformDirection(this.root.matrixWorld);
+    return away.dot(at.sub(this.camera.position)) < 0;
+  }
+
   /** Length in the model that one pixel covers at the given point. */
   pixelSize(point) {
     const distance = this.root.localToWorld(new Vector3(...point)).distanceTo(this.camera.position);
