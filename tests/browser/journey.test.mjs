@@ -125,7 +125,9 @@ describe("on a wide window", () => {
   it("draws the files for another sheet and machine, and says what does not fit", async () => {
     const jobs = async () => (await (await fetch(`${server.url}api/v1/jobs`)).json()).jobs.length;
     const before = await jobs();
-    await page.getByRole("tab", { name: "Files" }).click();
+    await page.getByRole("tab", { name: "Result" }).click();
+    await page.getByRole("button", { name: "Get the files" }).click();
+    assert.equal(await page.getByRole("tab", { name: "Files" }).getAttribute("aria-selected"), "true");
     await page.getByRole("img", { name: "Sheet 1 of 1" }).waitFor();
     await window.shot("wide-10-files");
     await page.getByLabel("Sheet", { exact: true }).selectOption("own value …");
@@ -187,7 +189,11 @@ describe("on a phone", () => {
     await window.goto();
     await page.locator("#file").setInputFiles(tubeStl());
     await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+    // 5 mm are not meant: what is offered fits on a table.
+    assert.equal(await page.getByLabel("Size along z in millimetres").inputValue(), "200");
+    await page.getByText(/the file would be 5 mm long/).waitFor();
     await page.getByRole("radio", { name: "inch" }).check();
+    await page.getByText(/the file would be/).waitFor({ state: "detached" });
     assert.equal(await page.getByLabel("Size along z in millimetres").inputValue(), "127");
     await window.shot("phone-1-settings");
   });

@@ -1,7 +1,7 @@
 // Meshes that were dropped but not yet sent: the file, what it looks like, its size, the parameters.
 import { getLimits } from "./api.js";
 import { bytes } from "./format.js";
-import { materialOf } from "./materials.js";
+import { materialOf, offeredScale } from "./materials.js";
 import { MeshError } from "./mesh/read_mesh.js";
 import { inspectFile } from "./worker/client.js";
 import { recall } from "./prefs.js";
@@ -27,6 +27,7 @@ class Drafts {
       await this.checkSize(draft.file);
       draft.mesh = await inspectFile(draft.file);
       draft.up = draft.up ?? guessUp(draft.mesh);
+      if (!draft.like) offerSize(draft);
     } catch (error) {
       draft.error = error;
     }
@@ -79,6 +80,7 @@ function makeDraft(file, like) {
     name: file.name,
     mesh: null,
     error: null,
+    like,
     up: null,
     tag: like?.tag ?? "",
     scale: like?.parameters?.scale ?? 1,
@@ -87,6 +89,15 @@ function makeDraft(file, like) {
       ? asAsked(like.parameters)
       : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
   };
+}
+
+/** A file whose own millimetres cannot be meant begins at a size that fits on a table; `draft.offered` tells. */
+function offerSize(draft) {
+  const longest = Math.max(...extents(draft.mesh));
+  const scale = offeredScale(longest);
+  if (scale === null) return;
+  draft.scale = scale;
+  draft.offered = { scale, longest };
 }
 
 /** STL comes from CAD and printing, where z is up; in OBJ, PLY and OFF it is mostly y. Samples say so in their name. */

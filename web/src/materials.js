@@ -63,11 +63,20 @@ export const UNITS = [
 /** A size to offer when the file's own cannot be meant: it fits on a table. */
 export const OFFERED_SIZE = 200;
 
+const THUMBNAIL = 15;
+const CAR = 5000;
+
+/** Millimetres for one unit of a file whose own millimetres cannot be meant; null when they can. */
+export function offeredScale(longest) {
+  if (!(longest > 0) || (longest >= THUMBNAIL && longest <= CAR)) return null;
+  return Number((OFFERED_SIZE / longest).toPrecision(12));
+}
+
 /** What is odd about a finished size in mm, in words; null when nothing is. */
 export function sizeWarning(longest, material) {
-  if (longest < 15)
+  if (longest < THUMBNAIL)
     return "That is smaller than a thumbnail. Is the file in another unit, perhaps inches, centimetres or metres?";
-  if (longest > 5000) return "That is larger than a car. Is the file in another unit, perhaps millimetres?";
+  if (longest > CAR) return "That is larger than a car. Is the file in another unit, perhaps millimetres?";
   if (longest < 2.5 * material.radius)
     return `That is too small for ${material.title.toLowerCase()}, which cannot be bent tighter than a radius of about ${material.radius} mm.`;
   return null;

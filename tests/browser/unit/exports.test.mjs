@@ -14,20 +14,27 @@ import {
 } from "../../../web/src/result/export_wish.js";
 
 const parameters = [
-  { name: "sheet_size", default: "auto", text: "Sheet: a preset", choices: ["auto", "a4"], open: true },
-  { name: "kerf", default: "0", text: "mm, full width of the cut" },
-  { name: "cover", default: "on", text: "PDF: cover", choices: ["on", "off"] },
-  { name: "profile", default: "makerspace", text: "Colours", choices: ["makerspace", "lightburn"] },
-  { name: "part", default: "", text: "Label of one part alone" },
-  { name: "brand_new", default: "", text: "Something of tomorrow" },
+  { name: "sheet_size", default: "auto", text: "Sheet", type: "size", group: "sheet", choices: ["auto"], open: true },
+  { name: "kerf", default: "0", text: "Full width of the cut", type: "number", unit: "mm", group: "joints" },
+  { name: "cover", default: "on", text: "Cover: on or off", type: "switch", group: "file", choices: ["on", "off"] },
+  { name: "profile", default: "", text: "Colours: a, b", type: "choice", group: "file", choices: ["a", "b"] },
+  { name: "part", default: "", text: "Label of one part alone", type: "text", group: "sheet" },
+  { name: "tab_angle", default: "60", text: "Flanks", type: "number", unit: "degrees", group: "joints" },
+  { name: "brand_new", default: "", text: "Something of tomorrow", type: "text", group: "tomorrow" },
 ];
 
 it("makes a field of every kind", () => {
-  assert.deepEqual(parameters.map(kindOf), ["open-choice", "number", "switch", "choice", "text", "text"]);
-  assert.equal(unitOf(parameters[1]), "mm");
-  assert.equal(unitOf(parameters[0]), "");
-  assert.deepEqual(parameters.slice(0, 3).map(hintOf), ["Sheet: a preset", "Full width of the cut", "PDF: cover"]);
-  assert.equal(hintOf({ text: "How lines are drawn: none, score", choices: ["none", "score"] }), "How lines are drawn");
+  assert.deepEqual(parameters.map(kindOf), [
+    "open-choice",
+    "number",
+    "switch",
+    "choice",
+    "text",
+    "number",
+    "text",
+  ]);
+  assert.deepEqual(parameters.map(unitOf), ["", "mm", "", "", "", "°", ""]);
+  assert.deepEqual(parameters.slice(2, 4).map(hintOf), ["Cover", "Colours"]);
 });
 
 it("shows every parameter once, those that are chosen elsewhere never", () => {
@@ -40,6 +47,7 @@ it("shows every parameter once, those that are chosen elsewhere never", () => {
     groups.map(([title, list]) => [title, list.map(({ name }) => name)]),
     [
       ["Files", ["cover"]],
+      ["Joints and material", ["tab_angle"]],
       ["Other", ["brand_new"]],
     ],
   );

@@ -14,7 +14,7 @@ import {
   significant,
 } from "../../../web/src/format.js";
 import { secondsLeft, titleOf } from "../../../web/src/jobs.js";
-import { materialOf, sizeWarning } from "../../../web/src/materials.js";
+import { materialOf, offeredScale, sizeWarning } from "../../../web/src/materials.js";
 import { kindOf, readNumber } from "../../../web/src/ui/number_range.js";
 
 it("writes lengths as a workshop does", () => {
@@ -83,4 +83,10 @@ it("knows the field for each kind of parameter", () => {
   assert.equal(kindOf({ enum: ["a", "b"] }), "choice");
   assert.equal(kindOf({ type: "boolean" }), "switch");
   assert.equal(kindOf({ type: "integer" }), "number");
+});
+
+it("offers a size where that of the file cannot be meant", () => {
+  assert.equal(offeredScale(1.6), 125);
+  assert.equal(offeredScale(20000), 0.01);
+  for (const longest of [15, 210, 5000, 0, NaN]) assert.equal(offeredScale(longest), null);
 });

@@ -15,21 +15,14 @@ const TITLES = {
   dxf: "DXF version",
   oversize: "If a part is larger",
   bar: "100 mm bar",
+  model_size: "Size of the model",
   up: "Axis that points up",
 };
 
-const GROUPS = [
-  ["Sheets", ["model_size", "margin", "gap", "turns", "grain", "copies", "face"]],
-  [
-    "Marks",
-    [
-      ...["label_height", "seam_text_height", "smallest_text", "notches", "notch_size"],
-      ...["ruling_step", "hidden_bend", "ruling_clear", "dash", "dash_gap", "tick_length", "bar"],
-    ],
-  ],
-  ["Joints and material", ["tab_depth", "tab_angle", "tab_pitch", "thickness", "surface", "material", "hinges"]],
-  ["Files", ["dxf", "page_margin", "page_overlap", "cover", "steps", "up", "frame_radius", "frame_text", "frame_borders"]],
-];
+const GROUPS = { sheet: "Sheets", marks: "Marks", joints: "Joints and material", file: "Files" };
+
+/** What belongs to one model and is not remembered for the next. */
+export const OF_MODEL = ["sheet_size", "page", "model_size", "copies"];
 
 /** A short title: the known ones, or the name as words. */
 export function titleOf(name) {
@@ -46,41 +39,36 @@ export function wordOf(name, value) {
   return value.replace(/^(\d+)x(\d+)$/, "$1 × $2 mm") || "none";
 }
 
-/** The unit of a parameter, as the server says it or as its text begins; empty when it has none. */
-export const unitOf = ({ unit, text }) =>
-  ({ mm: "mm", degrees: "°" })[unit] ?? (/^mm\b/.test(text) ? "mm" : /^Degrees\b/.test(text) ? "°" : "");
+/** The unit of a parameter as people write it; empty when it has none. */
+export const unitOf = ({ unit = "" }) => ({ degrees: "°" })[unit] ?? unit;
 
-/** A parameter's text without what its field says anyway: the unit in front, the choices behind. */
+/** A parameter's text without the list of choices at its end: the field shows them. */
 export function hintOf({ text, choices = [] }) {
   const tail = [`: ${choices.join(", ")}`, ": on or off"].find((end) => text.endsWith(end)) ?? "";
-  const rest = text.slice(0, text.length - tail.length).replace(/^mm,? ?| \((mm|degrees)\)$/g, "");
-  return rest && rest[0].toUpperCase() + rest.slice(1);
+  return text.slice(0, text.length - tail.length);
 }
 
 /** The parameter that a problem is about: "sheet" is what the size of the sheet is called in answers. */
 export const culpritOf = (where) => (where === "sheet" ? "sheet_size" : where);
 
 /** The kind of field: "switch", "choice", "open-choice", "number" or "text". */
-export function kindOf({ default: otherwise, choices, open }) {
-  if (choices?.length === 2 && choices.includes("on") && choices.includes("off")) return "switch";
+export function kindOf({ type, choices, open }) {
+  if (type === "switch") return type;
   if (choices) return open ? "open-choice" : "choice";
-  return otherwise !== "" && Number.isFinite(Number(otherwise)) ? "number" : "text";
+  return type === "number" || type === "integer" ? "number" : "text";
 }
 
-/** {first: [parameter], groups: [[title, [parameter]]]}: every parameter once, unknown ones in a group of their own. */
+/** {first: [parameter], groups: [[title, [parameter]]]}: every parameter once, in the server's groups. */
 export function sortedFields(parameters) {
-  const rest = new Map(parameters.filter(({ name }) => !ELSEWHERE.has(name)).map((one) => [one.name, one]));
-  const take = (names) =>
-    names
-      .map((name) => {
-        const one = rest.get(name);
-        rest.delete(name);
-        return one;
-      })
-      .filter(Boolean);
-  const first = take(FIRST);
-  const groups = GROUPS.map(([title, names]) => [title, take(names)]);
-  return { first, groups: [...groups, ["Other", [...rest.values()]]].filter(([, list]) => list.length > 0) };
+  const shown = parameters.filter(({ name }) => !ELSEWHERE.has(name));
+  const first = FIRST.map((name) => shown.find((one) => one.name === name)).filter(Boolean);
+  const groups = new Map();
+  for (const one of shown) {
+    if (first.includes(one)) continue;
+    const title = GROUPS[one.group] ?? "Other";
+    groups.set(title, [...(groups.get(title) ?? []), one]);
+  }
+  return { first, groups: [...groups] };
 }
 
 /** What differs from the defaults, as a query: that alone is asked for. */

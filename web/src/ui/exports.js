@@ -4,7 +4,7 @@ import { h, replace } from "../dom.js";
 import { count, duration, metres, percent } from "../format.js";
 import { BEDS } from "../materials.js";
 import { recall, remember } from "../prefs.js";
-import { culpritOf, hrefOf, queryOfWish, usualWish } from "../result/export_wish.js";
+import { OF_MODEL, culpritOf, hrefOf, queryOfWish, usualWish } from "../result/export_wish.js";
 import { ExportForm } from "./export_form.js";
 import { icon } from "./icons.js";
 import { problemBox, wordsOf } from "./problem.js";
@@ -54,11 +54,12 @@ class ExportPanel {
   }
 
   changed() {
-    remember("exports", this.values);
+    remember("exports", Object.fromEntries(Object.entries(this.values).filter(([name]) => !OF_MODEL.includes(name))));
     this.sheet = 1;
     clearTimeout(this.timer);
     this.turn = null;
     this.preview.classList.add("stale");
+    this.showLinks(false); // until it is known that they can be made
     this.timer = setTimeout(() => this.draw(), PAUSE);
   }
 
@@ -94,8 +95,9 @@ class ExportPanel {
 
   async showSheet(turn) {
     const { sheets } = this.totals;
-    const drawing = await getText(this.href("svg", { sheet: this.sheet, inline: 1 }));
-    if (this.turn !== turn) return;
+    const { sheet } = this;
+    const drawing = await getText(this.href("svg", { sheet, inline: 1 }));
+    if (this.turn !== turn || this.sheet !== sheet) return;
     URL.revokeObjectURL(this.url);
     this.url = URL.createObjectURL(new Blob([withVisibleLines(drawing)], { type: "image/svg+xml" }));
     const step = (by) => async () => {

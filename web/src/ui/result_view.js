@@ -9,6 +9,7 @@ import { certificate } from "./certificate.js";
 import { downloads } from "./downloads.js";
 import { exportPanel } from "./exports.js";
 import { figures } from "./figures.js";
+import { icon } from "./icons.js";
 import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
 import { reproduce } from "./reproduce.js";
@@ -91,6 +92,12 @@ export class ResultView {
         { class: "tab-pane" },
         job.parameters?.effort === "draft" && draftNote(job, this.go),
         figures(model, job),
+        h(
+          "button",
+          { type: "button", class: "primary wide", onclick: () => this.openTab("files") },
+          icon("download"),
+          "Get the files",
+        ),
         certificate(model),
         tradeOff(job, model.scale, this.stops),
         h(
@@ -154,6 +161,10 @@ export class ResultView {
         title,
       );
     const buttons = NARROW.map(makeTab);
+    this.openTab = (id) => {
+      select(id);
+      buttons.find((button) => button.dataset.tab === id).focus();
+    };
     const bar = h(
       "div",
       {

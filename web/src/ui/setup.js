@@ -2,7 +2,7 @@
 import { execute } from "../api.js";
 import { freshId, h, replace } from "../dom.js";
 import { drafts, extents } from "../drafts.js";
-import { bytes, count } from "../format.js";
+import { bytes, count, millimetres } from "../format.js";
 import { jobs } from "../jobs.js";
 import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
 import { keepPicture, recall, remember } from "../prefs.js";
@@ -68,8 +68,15 @@ function showPanel(page, draft) {
   const note = h("div", { class: "note-place" });
   const refresh = () => {
     const odd = sizeWarning(longest(draft), materialOf(draft.material));
+    const { offered } = draft;
     replace(
       note,
+      offered?.scale === draft.scale &&
+        h(
+          "p",
+          { class: "note" },
+          `In millimetres the file would be ${millimetres(offered.longest)} long, which can hardly be meant. It begins at ${OFFERED_SIZE} mm; choose its unit or a size if you know better.`,
+        ),
       odd &&
         warning(
           odd,

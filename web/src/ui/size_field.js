@@ -67,14 +67,9 @@ export function sizeField(draft, units, onChange) {
         "div",
         { class: "sizes" },
         inputs.map((input, k) =>
-          h(
-            "label",
-            { class: `axis axis-${AXES[k]}` },
-            h("span", { "aria-hidden": "true" }, AXES[k]),
-            input,
-            h("span", { class: "unit", "aria-hidden": "true" }, "mm"),
-          ),
+          h("label", { class: `axis axis-${AXES[k]}` }, h("span", { "aria-hidden": "true" }, AXES[k]), input),
         ),
+        h("span", { class: "unit", "aria-hidden": "true" }, "mm"),
       ),
       scaleText,
     ),

@@ -147,28 +147,30 @@ export class ResultObject {
     return box;
   }
 
-  /** Radius that holds what is shown, in units of the mesh. */
-  radius() {
+  /** {center, radius}: what holds all that is shown, in units of the mesh. */
+  ball() {
     const { explode, fold, only } = this.state;
-    const box = only === null ? this.flatBox() : this.model.parts[only].box;
+    if (only !== null) return this.partBall(only);
+    const box = this.flatBox();
     const flat = Math.hypot(box[2] - box[0], box[3] - box[1]) / 2 / this.model.scale;
     const { push, travel } = foldSteps(fold);
-    const solid =
-      (only === null ? this.model.radius : this.partRadius(only)) *
-      (1 + 0.75 * Math.max(explode * travel, only === null ? push : 0));
-    return solid + (flat - solid) * (1 - travel);
+    const solid = this.model.radius * (1 + 0.75 * Math.max(explode * travel, push));
+    return { center: [0, 0, 0], radius: solid + (flat - solid) * (1 - travel) };
   }
 
-  /** Radius around the origin that holds one part of the shape. */
-  partRadius(k) {
+  /** The same for one part as it stands now, around the middle of its box. */
+  partBall(k) {
     const { begin, end } = this.model.parts[k];
-    let squared = 0;
-    for (let v = begin; v < end; v++)
-      squared = Math.max(
-        squared,
-        this.model.position[3 * v] ** 2 + this.model.position[3 * v + 1] ** 2 + this.model.position[3 * v + 2] ** 2,
-      );
-    return Math.sqrt(squared);
+    const p = this.position;
+    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    for (let v = begin; v < end; v++) {
+      for (let axis = 0; axis < 3; axis++) {
+        low[axis] = Math.min(low[axis], p[3 * v + axis]);
+        high[axis] = Math.max(high[axis], p[3 * v + axis]);
+      }
+    }
+    const center = low.map((value, axis) => (value + high[axis]) / 2);
+    return { center, radius: Math.hypot(...center.map((value, axis) => high[axis] - value)) };
   }
 
   updateNormals() {
@@ -282,9 +284,11 @@ export class ResultObject {
     return { part, seam: best.seam };
   }
 
-  /** A vertex' normal as it stands now, outwards. */
+  /** A vertex' normal as it stands now, out of the shape even when its faces look inwards. */
   normalOf(v) {
-    return Array.from(this.geometry.attributes.normal.array.subarray(3 * v, 3 * v + 3));
+    this.turn ??= looksOut(this.model) ? 1 : -1;
+    const { array } = this.geometry.attributes.normal;
+    return [0, 1, 2].map((axis) => this.turn * array[3 * v + axis]);
   }
 
   /** Whether the parts close in on each other, so that what looks away is behind something. */
@@ -299,6 +303,21 @@ export class ResultObject {
       object.material.dispose();
     }
   }
+}
+
+/** Whether most of the surface looks away from the shape's middle. */
+function looksOut({ parts, position: p }) {
+  let volume = 0;
+  for (const { triangles } of parts) {
+    for (let k = 0; k < triangles.length; k += 3) {
+      const [a, b, c] = [3 * triangles[k], 3 * triangles[k + 1], 3 * triangles[k + 2]];
+      volume +=
+        p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) +
+        p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) +
+        p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
+    }
+  }
+  return volume >= 0;
 }
 
 function fatLines(width) {

@@ -160,8 +160,9 @@ export class Stage {
         title: "Show all (0)",
         "aria-label": "Show all",
         onclick: () => {
+          const { center, radius } = this.result?.ball() ?? { radius: this.input.radius * 1.12 };
+          this.viewport.fit(radius, center);
           this.viewport.home();
-          this.viewport.fit(this.result ? this.result.radius() : this.input.radius * 1.12);
         },
       },
       icon("fit", 18),
@@ -196,7 +197,7 @@ export class Stage {
     if (mesh) this.addOverlay(mesh);
     this.viewport.setUp(up);
     this.up = up;
-    this.viewport.fit(this.result.radius());
+    this.viewport.fit(this.result.ball().radius);
     this.viewport.home();
     replace(this.tools, this.viewTools(onUp));
   }
@@ -218,7 +219,8 @@ export class Stage {
     const axes = leaving || state.only !== undefined ? this.viewport.screenAxes() : null;
     this.result.pose({ ...state, ...(axes ? { x: axes[0], y: axes[1] } : {}) });
     this.markSelection();
-    this.viewport.refit(this.result.radius());
+    const { center, radius } = this.result.ball();
+    this.viewport.refit(radius, center);
   }
 
   under(event) {

@@ -40,6 +40,7 @@ export class Viewport {
     this.controls.addEventListener("change", () => this.draw());
     this.addLights();
     this.radius = 1;
+    this.center = new Vector3(); // of what is shown, in the world
     this.frameListeners = new Set();
     this.frames = { count: 0, milliseconds: 0 };
     this.pending = false;
@@ -95,18 +96,23 @@ export class Viewport {
     this.draw();
   }
 
-  /** Shows everything within `radius` of the origin, keeping the direction of view. */
-  fit(radius) {
+  /** Shows everything within `radius` of `center` (of the model), keeping the direction of view. */
+  fit(radius, center = [0, 0, 0]) {
     this.radius = radius;
-    this.controls.target.set(0, 0, 0);
-    this.wanted = null;
+    this.center = this.root.localToWorld(new Vector3(...center));
+    this.controls.target.copy(this.center);
     this.place(this.distanceFor(radius));
   }
 
-  /** The same while something grows or shrinks: the user's own zoom is kept as a factor. */
-  refit(radius) {
+  /** The same while something moves, grows or shrinks: the user's own zoom is kept as a factor, and what was moved. */
+  refit(radius, center = [0, 0, 0]) {
     const factor = this.camera.position.distanceTo(this.controls.target) / this.distanceFor(this.radius);
     this.radius = radius;
+    const next = this.root.localToWorld(new Vector3(...center));
+    const step = next.clone().sub(this.center);
+    this.center = next;
+    this.controls.target.add(step);
+    this.camera.position.add(step);
     this.place(this.distanceFor(radius) * factor);
   }
 
@@ -147,8 +153,8 @@ export class Viewport {
   /** Looks from the given direction, angles in radians around and from above. */
   look(theta, phi) {
     const distance = this.distanceFor(this.radius);
-    this.controls.target.set(0, 0, 0);
-    this.camera.position.setFromSpherical(new Spherical(distance, phi, theta));
+    this.controls.target.copy(this.center);
+    this.camera.position.setFromSpherical(new Spherical(distance, phi, theta)).add(this.center);
     this.place(distance);
   }
 
