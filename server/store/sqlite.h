@@ -2,6 +2,8 @@
 #pragma once
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -32,9 +34,11 @@ class DatabaseFile {
       if constexpr (std::is_void_v<decltype(change(*writer_))>) {
         change(*writer_);
         transaction.commit();
+        ++changes_;
       } else {
         auto answer = change(*writer_);
         transaction.commit();
+        ++changes_;
         return answer;
       }
     } catch (const SQLite::Exception& e) {
@@ -54,6 +58,10 @@ class DatabaseFile {
     }
   }
 
+  /// Grows with every change. Whoever reads it before a query knows that the answer holds as long as it stays
+  /// the same.
+  std::uint64_t changes() const { return changes_; }
+
   /// Runs statements outside of a transaction on the writing connection (pragmas, incremental vacuum).
   void run_outside_transaction(const std::string& statements);
 
@@ -71,6 +79,7 @@ class DatabaseFile {
 
   std::filesystem::path path_;
   std::mutex writer_mutex_, pool_mutex_;
+  std::atomic<std::uint64_t> changes_{0};
   std::unique_ptr<SQLite::Database> writer_;
   std::vector<std::unique_ptr<SQLite::Database>> idle_readers_;
 };

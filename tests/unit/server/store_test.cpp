@@ -61,6 +61,22 @@ TEST_F(JobStoreTest, JobsAreClaimedInTheOrderOfArrival) {
   EXPECT_FALSE(store_.claim(now_us()));
 }
 
+TEST_F(JobStoreTest, PlacesInTheQueueFollowEveryChange) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 4; ++i) ids.push_back(store_.accept(new_job()).id);
+  const auto place = [&](int i) {
+    return store_.queue_position(*store_.find(ids[static_cast<std::size_t>(i)]));
+  };
+  EXPECT_EQ(place(3), 4);
+  store_.claim(now_us());
+  EXPECT_EQ(place(3), 3);
+  store_.dismiss(ids[1], now_us() + kDay);
+  EXPECT_EQ(place(2), 1);
+  EXPECT_EQ(place(3), 2);
+  ids.push_back(store_.accept(new_job()).id);
+  EXPECT_EQ(place(4), 3);
+}
+
 TEST_F(JobStoreTest, PrincipalsTakeTurns) {
   const std::int64_t a = store_.principal_id("a"), b = store_.principal_id("b");
   EXPECT_EQ(store_.principal_id("a"), a);
