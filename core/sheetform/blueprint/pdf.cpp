@@ -114,10 +114,9 @@ class PdfWriter {
     return found;
   }
 
-  // Row A is the top one.
+  // Row 1 is the top one. Not with a letter: that is how parts are named.
   static std::string name_of(int row, int column) {
-    return std::string(1, static_cast<char>('A' + row % 26)) + (row >= 26 ? std::to_string(row / 26) : "") +
-           std::to_string(column + 1);
+    return std::to_string(row + 1) + '-' + std::to_string(column + 1);
   }
 
   void add_tile(const PdfTile& t) {

@@ -218,7 +218,7 @@ class CoverWriter {
   // --- where everything is
 
   void map() {
-    flow_.heading(tiled() ? "Map of the pages" : "Sheets");
+    flow_.heading(tiled() ? "Map of the pages: row - column" : "Sheets");
     double widest = 1, tallest = 1;
     for (const BlueprintSheet& s : b_.sheets)
       widest = std::max(widest, s.width), tallest = std::max(tallest, s.height);
@@ -280,7 +280,7 @@ class CoverWriter {
     return std::any_of(tiles_.begin(), tiles_.end(), [](const PdfTile& t) { return !t.name.empty(); });
   }
 
-  // "1" or "1 (A1 A2)", for every sheet with a copy of the part.
+  // "1" or "1 (1-1 1-2)", for every sheet with a copy of the part.
   std::string places_of(int part) const {
     std::string out;
     std::set<int> seen;

@@ -15,7 +15,7 @@ struct PdfTile {
   int row = 0, column = 0;  ///< from the top left
   Vector2 low;              ///< lower left corner on the sheet
   Vector2 size;
-  std::string name;  ///< "B2": row B, column 2; empty where the sheet has no other page
+  std::string name;  ///< "2-3": row 2, column 3; empty where the sheet has no other page
 };
 
 struct PdfPaper {
