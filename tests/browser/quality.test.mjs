@@ -56,6 +56,7 @@ it("a first visit up to the 3D view weighs less than 300 KB", async () => {
   await window.goto();
   await page.getByRole("button", { name: "Ring", exact: true }).click();
   await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+  console.log(`first view: ${(bytes / 1024).toFixed(0)} KB`);
   assert.ok(bytes > 50 * 1024 && bytes < FIRST_VIEW_BYTES, `${bytes} bytes`);
   await session.detach();
 });

@@ -15,7 +15,7 @@ import {
 
 const parameters = [
   { name: "sheet_size", default: "auto", text: "Sheet", type: "size", group: "sheet", choices: ["auto"], open: true },
-  { name: "kerf", default: "0", text: "Full width of the cut", type: "number", unit: "mm", group: "joints" },
+  { name: "kerf", default: "0", text: "Width of the cut (mm)", type: "number", unit: "mm", group: "joints" },
   { name: "cover", default: "on", text: "Cover: on or off", type: "switch", group: "file", choices: ["on", "off"] },
   { name: "profile", default: "", text: "Colours: a, b", type: "choice", group: "file", choices: ["a", "b"] },
   { name: "part", default: "", text: "Label of one part alone", type: "text", group: "sheet" },
@@ -34,7 +34,7 @@ it("makes a field of every kind", () => {
     "text",
   ]);
   assert.deepEqual(parameters.map(unitOf), ["", "mm", "", "", "", "°", ""]);
-  assert.deepEqual(parameters.slice(2, 4).map(hintOf), ["Cover", "Colours"]);
+  assert.deepEqual(parameters.slice(1, 4).map(hintOf), ["Width of the cut", "Cover", "Colours"]);
 });
 
 it("shows every parameter once, those that are chosen elsewhere never", () => {

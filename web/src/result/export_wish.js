@@ -42,9 +42,9 @@ export function wordOf(name, value) {
 /** The unit of a parameter as people write it; empty when it has none. */
 export const unitOf = ({ unit = "" }) => ({ degrees: "°" })[unit] ?? unit;
 
-/** A parameter's text without the list of choices at its end: the field shows them. */
-export function hintOf({ text, choices = [] }) {
-  const tail = [`: ${choices.join(", ")}`, ": on or off"].find((end) => text.endsWith(end)) ?? "";
+/** A parameter's text without the choices or the unit at its end: the field shows them. */
+export function hintOf({ text, unit, choices = [] }) {
+  const tail = [`: ${choices.join(", ")}`, ": on or off", ` (${unit})`].find((end) => text.endsWith(end)) ?? "";
   return text.slice(0, text.length - tail.length);
 }
 
