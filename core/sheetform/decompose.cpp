@@ -42,7 +42,9 @@ void require(bool ok, const std::string& name, const std::string& range) {
 }
 
 // One component as a mesh of its own.
-SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& component, int id) {
+SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& component, int id,
+                           const RunContext& context) {
+  context.checkpoint();
   std::vector<int> local(mesh.points.size(), -1);
   std::vector<Vector3> points;
   std::vector<std::array<int, 3>> faces;
@@ -81,10 +83,13 @@ double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort)
 }
 
 // Largest distance from the input's vertices to the working mesh.
-double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working) {
-  const ClosestPointTree tree(working.points, working.faces);
+double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working, const RunContext& context) {
+  const ClosestPointTree tree(working.points, working.faces, context);
   double worst = 0;
-  for (const Vector3& p : input.points) worst = std::max(worst, tree.closest(p).squared_distance);
+  for (std::size_t i = 0; i < input.points.size(); ++i) {
+    if (i % 4096 == 0) context.checkpoint();
+    worst = std::max(worst, tree.closest(input.points[i]).squared_distance);
+  }
   return std::sqrt(worst);
 }
 
@@ -95,7 +100,7 @@ PreparedMesh prepared_component(const SurfaceMesh& input, const DecomposeParams&
                                 double e_max, const RunContext& context) {
   const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, kSliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
-  if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle);
+  if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle, context);
   double wanted = working_edge_length(mesh, e_max, effort);
   const double present = mean_edge_length(mesh);
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
@@ -103,7 +108,8 @@ PreparedMesh prepared_component(const SurfaceMesh& input, const DecomposeParams&
   PreparedMesh prepared = prepare(mesh, crease, wanted, context);
   const int attempts = effort == Effort::kDraft ? 0 : 2;
   for (int attempt = 0;
-       attempt < attempts && wanted > finest && lost_detail(mesh, prepared.mesh) > 0.3 * e_max; ++attempt) {
+       attempt < attempts && wanted > finest && lost_detail(mesh, prepared.mesh, context) > 0.3 * e_max;
+       ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
     if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
     prepared = prepare(mesh, crease, wanted, context);
@@ -276,14 +282,14 @@ Decomposition decompose(const InputMesh& input, const DecomposeParams& params, c
             "field", "one direction for each vertex or face of the mesh");
     user_soup = input.soup;
     for (Vector3& p : user_soup.points) p = norm.in(p);
-    user_tree = ClosestPointTree(user_soup.points, user_soup.faces);
+    user_tree = ClosestPointTree(user_soup.points, user_soup.faces, context);
   }
   result.report.timings["prepare"] += seconds_since(start);
   const std::vector<Variant> tries = variants(params.effort);
   const double runs = static_cast<double>(count) * static_cast<double>(tries.size());
   double done = 0;
   for (int c = 0; c < count; ++c) {
-    const SurfaceMesh mesh = component_mesh(normal_mesh, component, c);
+    const SurfaceMesh mesh = component_mesh(normal_mesh, component, c, context);
     std::optional<ComponentResult> best;
     for (const Variant& variant : tries) {
       start = Clock::now();

@@ -6,10 +6,11 @@
 namespace sheetform {
 namespace {
 
-constexpr int kBins = 16;         // of the surface-area heuristic
-constexpr int kLeaf = 3;          // triangles in a leaf; four leaves share one node and one box test
-constexpr int kMaxSahDepth = 40;  // below it halves are equal, which bounds the depth and the query's stack
-constexpr int kStack = 256;       // > 3 * (kMaxSahDepth + log2(2^31))
+constexpr int kBins = 16;           // of the surface-area heuristic
+constexpr int kLeaf = 3;            // triangles in a leaf; four leaves share one node and one box test
+constexpr int kOftenEnough = 2048;  // triangles that are placed between two looks at whether to stop
+constexpr int kMaxSahDepth = 40;    // below it halves are equal, which bounds the depth and the query's stack
+constexpr int kStack = 256;         // > 3 * (kMaxSahDepth + log2(2^31))
 constexpr float kSlack =
     1e-6f;  // rounding of boxes and queries to float, in normalised lengths (box about 1)
 
@@ -158,6 +159,7 @@ bool is_thin(const Vector3& ab, const Vector3& ac) {
 
 struct ClosestPointTree::Builder {
   ClosestPointTree& tree;
+  const RunContext& context;
   std::vector<Item> items;
 
   void set_child(Node& node, int k, const Box& box) const {
@@ -185,6 +187,7 @@ struct ClosestPointTree::Builder {
 
   int build(const Range& r) {
     const int id = static_cast<int>(tree.nodes_.size());
+    if (r.size() > kOftenEnough) context.checkpoint();
     tree.nodes_.emplace_back();
     const std::vector<Range> parts = quarters(r);
     for (int k = 0; k < 4; ++k) {
@@ -204,11 +207,12 @@ struct ClosestPointTree::Builder {
 };
 
 ClosestPointTree::ClosestPointTree(const std::vector<Vector3>& points,
-                                   const std::vector<std::array<int, 3>>& faces) {
+                                   const std::vector<std::array<int, 3>>& faces, const RunContext& context) {
   if (faces.empty()) return;
-  Builder builder{*this, {}};
+  Builder builder{*this, context, {}};
   builder.items.reserve(faces.size());
   for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+    if (f % (8 * kOftenEnough) == 0) context.checkpoint();
     Box box;
     for (int v : faces[f]) box.add(points[v]);
     builder.items.push_back({box, (box.lo + box.hi) / 2, f});

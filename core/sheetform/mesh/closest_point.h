@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "sheetform/base/run_context.h"
 #include "sheetform/mesh/surface_mesh.h"
 
 namespace sheetform {
@@ -16,11 +17,13 @@ struct ClosestPoint {
 
 /// Built once per triangle set; queries are const and thread-safe. Build O(n log n), query O(log n) typical.
 /// Ties are broken by the lower face id, so answers do not depend on the tree's shape.
-/// Degenerate triangles count as the segments or points that they are.
+/// Degenerate triangles count as the segments or points that they are. The build throws as
+/// context.checkpoint() does, and nothing else.
 class ClosestPointTree {
  public:
   ClosestPointTree() = default;
-  ClosestPointTree(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces);
+  ClosestPointTree(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
+                   const RunContext& context = {});
   /// Nearest point within sqrt(bound2); face = -1 if there is none (or the query is not finite). A good bound
   /// makes the query faster.
   ClosestPoint closest(const Vector3& query, double bound2 = std::numeric_limits<double>::infinity()) const;

@@ -15,9 +15,10 @@ constexpr double kLeastLoop = 0.04, kLeastNetwork = 0.06;
 constexpr double kLooseAtBorder = 0.15, kLooseAtCrease = 0.35, kLooseBoth = 0.5;
 constexpr double kMostZigzag = 8, kMostZigzagLoose = 6, kMostTurn = 30;  // per vertex of a chain
 constexpr int kMostPasses = 50;
-constexpr double kConfirmed = 20;  // between the normals of a sliver and a neighbour
-constexpr double kSliver = 0.01;   // height over longest side below which a face has no normal of its own
-constexpr int kMostFaces = 64;     // of the surroundings of an edge, on one side
+constexpr double kConfirmed = 20;   // between the normals of a sliver and a neighbour
+constexpr double kSliver = 0.01;    // height over longest side below which a face has no normal of its own
+constexpr int kMostFaces = 64;      // of the surroundings of an edge, on one side
+constexpr int kOftenEnough = 4096;  // edges between two looks at whether to stop
 
 enum Mark : char { kNone = 0, kWeak = 1, kStrong = 2 };
 
@@ -119,11 +120,12 @@ struct ChainShape {
 
 class CreaseNetwork {
  public:
-  CreaseNetwork(const SurfaceMesh& mesh, double angle);
+  CreaseNetwork(const SurfaceMesh& mesh, double angle, const RunContext& context);
   // Removes chains and networks that are no creases until nothing changes.
   void clean() {
     bool changed = true;
     for (int pass = 0; changed && pass < kMostPasses; ++pass) {
+      context_.checkpoint();
       changed = drop_chains();
       changed = drop_networks() || changed;
     }
@@ -153,14 +155,16 @@ class CreaseNetwork {
   }
 
   const SurfaceMesh& mesh_;
+  const RunContext& context_;
   double diagonal_, angle_;
   std::vector<Mark> marks_;
   std::vector<double> dihedral_,
       good_;  // good_: the edge's length when its chain looks like a crease by itself
 };
 
-CreaseNetwork::CreaseNetwork(const SurfaceMesh& mesh, double angle)
+CreaseNetwork::CreaseNetwork(const SurfaceMesh& mesh, double angle, const RunContext& context)
     : mesh_(mesh),
+      context_(context),
       diagonal_(bounding_box_diagonal(mesh.points)),
       angle_(angle),
       marks_(mesh.edges.size(), kNone),
@@ -168,6 +172,7 @@ CreaseNetwork::CreaseNetwork(const SurfaceMesh& mesh, double angle)
       good_(mesh.edges.size(), 0) {
   const Sharpness sharpness(mesh, kBarrierShare * angle);
   for (int e = 0; e < mesh.edge_count(); ++e) {
+    if (e % kOftenEnough == 0) context.checkpoint();
     const double a = dihedral_[e] = sharpness.dihedral(e);
     if (a < kWeakShare * angle) continue;
     const double share = sharpness.share(e);
@@ -301,8 +306,8 @@ bool CreaseNetwork::drop_networks() {
 
 }  // namespace
 
-std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees) {
-  CreaseNetwork network(mesh, angle_degrees);
+std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees, const RunContext& context) {
+  CreaseNetwork network(mesh, angle_degrees, context);
   network.clean();
   return network.result();
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "sheetform/base/run_context.h"
 #include "sheetform/mesh/surface_mesh.h"
 
 namespace sheetform {
@@ -14,6 +15,7 @@ namespace sheetform {
 /// Weaker edges (two thirds of the angle) join gaps. The chains that result must be long, straight beyond the
 /// zigzag of edges, and closed or ending at borders or other creases; chains with a loose end only count when
 /// they are long. Wants a mesh whose edges follow its creases. O(n) but for chains; deterministic.
-std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees);
+std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees,
+                                 const RunContext& context = {});
 
 }  // namespace sheetform

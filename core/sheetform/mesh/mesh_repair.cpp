@@ -237,7 +237,7 @@ Middles split_double_edges(const Gluing& g, const std::vector<int>& vertex, std:
   return middles;
 }
 
-RepairResult assembled(Work& work, const Gluing& g) {
+RepairResult assembled(Work& work, const Gluing& g, const RunContext& context) {
   RepairResult result;
   std::vector<int> origin;
   const std::vector<int> vertex = gluing::fan_vertices(work.soup, g, origin);
@@ -247,6 +247,7 @@ RepairResult assembled(Work& work, const Gluing& g) {
   std::vector<std::array<int, 3>> fans(work.soup.faces.size());
   for (std::size_t s = 0; s < vertex.size(); ++s) fans[s / 3][s % 3] = vertex[s];
   pull_apart(fans, origin, points);
+  context.checkpoint();
   const Middles middles = split_double_edges(g, vertex, points, origin);
   std::vector<std::array<int, 3>> faces;
   for (int f = 0; f < static_cast<int>(work.soup.faces.size()); ++f) {
@@ -258,6 +259,7 @@ RepairResult assembled(Work& work, const Gluing& g) {
       result.face_origin.push_back(work.face_origin[f]);
     }
   }
+  context.checkpoint();
   for (int v : origin) result.vertex_origin.push_back(v < 0 ? -1 : work.point_origin[v]);
   result.mesh = build_surface_mesh(std::move(points), std::move(faces));
   return result;
@@ -340,10 +342,12 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
   check_sound(soup);
   Work work = start(soup);
   drop_unused(work);
+  context.checkpoint();
   merge(work, exact_classes(work.soup.points), "vertices at the place of another one were merged");
   drop_collapsed(work);
   context.checkpoint();
   Gluing g = gluing::glue(work.soup);
+  context.checkpoint();
   drop_unused(work);
   if (!is_clean(work.soup, g)) {
     const double near = kNear * bounding_box_diagonal(work.soup.points);
@@ -354,16 +358,19 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
     drop_unused(work);
     context.checkpoint();
     g = gluing::glue(work.soup);
+    context.checkpoint();
     gluing::orient(work.soup, g);
     note_topology(work, g);
   }
   if (work.soup.faces.empty()) nothing_left("no face of the mesh has three different corners");
   context.checkpoint();
-  RepairResult result = assembled(work, g);
+  RepairResult result = assembled(work, g, context);
+  context.checkpoint();
   const double diagonal = bounding_box_diagonal(result.mesh.points);
   if (!(surface_area(result.mesh) > kLeastArea * diagonal * diagonal))
     nothing_left("all faces of the mesh together have no area");
   fill_audit(soup, work, result);
+  context.checkpoint();
   return result;
 }
 

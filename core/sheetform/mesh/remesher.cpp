@@ -46,7 +46,11 @@ struct Entry {
 
 Remesher::Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length,
                    const RunContext& context)
-    : input_(input), lines_(lines), surface_(input.points, input.faces), length_(length), context_(context) {
+    : input_(input),
+      lines_(lines),
+      surface_(input.points, input.faces, context),
+      length_(length),
+      context_(context) {
   load(input);
 }
 
@@ -55,9 +59,11 @@ void Remesher::load(const SurfaceMesh& input) {
       (omerr().disable(), true);  // once: the stream is shared by all threads
   mesh_.reserve(input.points.size(), input.edges.size(), input.faces.size());
   for (const Vector3& p : input.points) add_vertex(p, kFree);
-  for (const auto& f : input.faces)
+  for (const auto& f : input.faces) {
+    pause();
     if (!mesh_.add_face(Vertex(f[0]), Vertex(f[1]), Vertex(f[2])).is_valid())
       throw Error(ErrorCode::kInternal, "the half-edge mesh refuses a face");
+  }
   edge_line_.assign(mesh_.n_edges(), -1);
   for (int e = 0; e < input.edge_count(); ++e) {
     if (lines_.edge_line[e] < 0) continue;

@@ -49,7 +49,7 @@ class ComponentRun {
       : input_(input),
         params_(params),
         context_(context),
-        tree_(input.reference.points, input.reference.faces),
+        tree_(input.reference.points, input.reference.faces, context),
         laps_(result_.seconds) {}
 
   ComponentResult run() {
@@ -93,9 +93,11 @@ class ComponentRun {
     const SurfaceMesh& mesh = input_.prepared.mesh;
     std::vector<DetailPoint> details;
     if (!input_.prepared.remeshed) return details;
-    const ClosestPointTree working(mesh.points, mesh.faces);
+    const ClosestPointTree working(mesh.points, mesh.faces, context_);
     const double least = 0.06 * params_.evaluation.e_max;
-    for (const Vector3& p : input_.reference.points) {
+    for (std::size_t i = 0; i < input_.reference.points.size(); ++i) {
+      if (i % 4096 == 0) context_.checkpoint();
+      const Vector3& p = input_.reference.points[i];
       const ClosestPoint hit = working.closest(p);
       if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
     }

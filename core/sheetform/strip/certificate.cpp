@@ -72,7 +72,7 @@ Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, cons
   c.defects = check_structure(result, repaired, max_sides, diagonal_of(input), &c.isometry_error);
   if (std::any_of(c.defects.begin(), c.defects.end(), [](const Defect& d) { return d.check == "S1"; }))
     return c;
-  const ClosestPointTree tree(input.points, input.faces);
+  const ClosestPointTree tree(input.points, input.faces, context);
   c.distance = measure_distance(input, tree, result, samples, context);
   return c;
 }

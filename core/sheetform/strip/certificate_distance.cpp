@@ -105,6 +105,7 @@ class OneWay {
     constexpr int kChunk = 512;
     const int n = static_cast<int>(samples.size());
     parallel_for(context_, (n + kChunk - 1) / kChunk, [&](int chunk) {
+      context_.checkpoint();
       for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
         if (samples[i].face >= 0) hits[i] = tree_.closest(samples[i].point);
     });
