@@ -26,6 +26,7 @@ int version_command(const ParsedLine&) {
 }
 
 constexpr Command kCommands[] = {{decompose_spec, decompose_command},
+                                 {sweep_spec, sweep_command},
                                  {verify_spec, verify_command},
                                  {serve_spec, serve_command},
                                  {token_spec, token_command},

@@ -11,6 +11,8 @@
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
+#include "sheetform/strip/mirror.h"
+#include "sheetform/sweep.h"
 
 namespace sheetform {
 namespace {
@@ -232,6 +234,187 @@ DecomposeParams resolved(DecomposeParams params, const Normalisation& norm) {
   return params;
 }
 
+// The half to be solved when symmetry is asked for and there is one; notes in the report say what was found.
+std::optional<SymmetricHalf> half_to_solve(const SurfaceMesh& mesh, const Normalisation& norm,
+                                           Decomposition& d, RunContext& context) {
+  if (d.params.symmetry == SymmetryMode::kOff) return std::nullopt;
+  std::optional<SymmetricHalf> half;
+  if (d.params.symmetry == SymmetryMode::kAuto) {
+    half = find_symmetric_half(mesh, d.params.e_max, context);
+    if (!half)
+      d.report.notes.push_back("no plane of symmetry was found, so the mesh was decomposed as a whole");
+  } else {
+    const Plane& given = d.params.plane;
+    const Plane plane{given.normal, (given.offset - given.normal.dot(norm.centre)) / norm.diagonal};
+    std::string why;
+    half = symmetric_half(mesh, plane, 0.9 * d.params.e_max, 0.05 * d.params.e_max, why);
+    if (!half)
+      throw Error(ErrorCode::kUnsupportedMesh, "the mesh is not symmetric in the given plane: " + why,
+                  "symmetry", "give another plane, a larger e_max, or use auto");
+  }
+  if (!half) return half;
+  const Plane& plane = half->plane;
+  d.params.plane = {plane.normal, plane.offset * norm.diagonal + plane.normal.dot(norm.centre)};
+  d.mirror_plane = d.params.plane;
+  if (half->deviation > 0.01 * d.params.e_max)
+    d.report.notes.push_back("the input deviates from a symmetric one by " + percent(half->deviation) +
+                             " of the diagonal; the result is exactly symmetric");
+  return half;
+}
+
+// The run over one input for several tolerances.
+class Sweep {
+ public:
+  Sweep(const InputMesh& input, const DecomposeParams& params, const UserField* field, RunContext& context)
+      : input_(input), params_(params), field_(field), context_(context) {}
+
+  // e_max: ascending; empty = the one of the parameters.
+  std::vector<Decomposition> run(std::vector<double> e_max) {
+    const auto start = Clock::now();
+    prepare();
+    common_.report.timings["prepare"] = seconds_since(start);
+    if (e_max.empty()) e_max = {common_.params.e_max};
+    std::vector<Decomposition> results;
+    for (double e : e_max) {
+      results.push_back(common_);
+      results.back().params.e_max = e;
+      if (results.size() > 1) results.back().report.timings["prepare"] = 0;
+    }
+    decompose_components(results);
+    for (Decomposition& d : results) complete(d);
+    return results;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double seconds_since(Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  }
+
+  // What all tolerances share; the parameters' own is the finest.
+  void prepare() {
+    common_.input_vertices = static_cast<int>(input_.soup.points.size());
+    common_.input_faces = static_cast<int>(input_.soup.faces.size());
+    context_.report(Stage::kPrepare, 0);
+    repaired_ = repair(input_.soup, context_);
+    common_.audit = std::move(repaired_.audit);
+    norm_ = normalisation(repaired_.mesh.points);
+    common_.params = resolved(params_, norm_);
+    common_.bbox_diagonal = norm_.diagonal;
+    mesh_ = repaired_.mesh;
+    for (Vector3& p : mesh_.points) p = norm_.in(p);
+    half_ = half_to_solve(mesh_, norm_, common_, context_);
+    if (half_) mesh_ = half_->mesh;
+    if (field_ == nullptr) return;
+    require(field_->per_face.empty() ? field_->per_vertex.size() == input_.soup.points.size()
+                                     : field_->per_face.size() == input_.soup.faces.size(),
+            "field", "one direction for each vertex or face of the mesh");
+    user_soup_ = input_.soup;
+    for (Vector3& p : user_soup_.points) p = half_ ? half_->frame.in(norm_.in(p)) : norm_.in(p);
+    user_tree_ = ClosestPointTree(user_soup_.points, user_soup_.faces, context_);
+  }
+
+  // What is left of the tolerance; the two distances hardly ever add up in one place.
+  double reach(double e_max) const { return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) : e_max; }
+
+  ComponentInput component_input(const SurfaceMesh& mesh, const Variant& variant,
+                                 const RunContext& context) const {
+    ComponentInput input;
+    input.prepared = prepared_component(mesh, common_.params, variant.mesh, common_.params.e_max, context);
+    input.reference = {mesh.points, mesh.faces};
+    input.half = half_.has_value();
+    if (field_ == nullptr) return input;
+    input.guide = carry_guide(*field_, user_soup_, user_tree_, input.prepared.mesh);
+    if (half_)
+      for (Vector3& direction : input.guide) direction = half_->frame.axes * direction;
+    return input;
+  }
+
+  void decompose_components(std::vector<Decomposition>& results) {
+    std::vector<double> reaches;
+    for (const Decomposition& d : results) reaches.push_back(reach(d.params.e_max));
+    const auto [component, count] = face_components(mesh_);
+    const std::vector<Variant> tries = variants(params_.effort);
+    const double runs = static_cast<double>(count) * static_cast<double>(tries.size());
+    double done = 0;
+    for (int c = 0; c < count; ++c) {
+      const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
+      std::vector<ComponentResult> best;
+      for (const Variant& variant : tries) {
+        const auto start = Clock::now();
+        RunContext part = part_of(context_, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
+        done += 1;
+        const ComponentInput input = component_input(mesh, variant, part);
+        results[0].report.timings["prepare"] += seconds_since(start);
+        take(sweep_component(input, component_params(common_.params, reaches[0], variant), reaches, part),
+             results, best);
+      }
+      for (std::size_t k = 0; k < results.size(); ++k) {
+        append(results[k].strips, best[k].strips, c);
+        std::vector<std::string>& notes = results[k].report.notes;
+        notes.insert(notes.end(), best[k].notes.begin(), best[k].notes.end());
+      }
+    }
+  }
+
+  // Counts the time and keeps what is better than the best so far.
+  static void take(std::vector<ComponentResult> fresh, std::vector<Decomposition>& results,
+                   std::vector<ComponentResult>& best) {
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+      for (const auto& [name, s] : fresh[k].seconds) results[k].report.timings[name] += s;
+      const double e_max = results[k].params.e_max;
+      if (k >= best.size()) {
+        best.push_back(std::move(fresh[k]));
+      } else if (rank(fresh[k], e_max) < rank(best[k], e_max)) {
+        best[k] = std::move(fresh[k]);
+      }
+    }
+  }
+
+  // From the strips of all components to the certified result in the units of the input.
+  void complete(Decomposition& d) const {
+    if (half_)
+      d.strips = join_images(with_mirror_image(d.strips),
+                             {params_.max_sides, !params_.t_junctions, params_.self_seams});
+    for (Vector3& p : d.strips.points) p = norm_.out(half_ ? half_->frame.out(p) : p);
+    for (Vector2& u : d.strips.uvs) u *= norm_.diagonal;
+    const auto start = Clock::now();
+    d.certificate = certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides, 20000, context_);
+    d.report.timings["certify"] += seconds_since(start);
+    if (half_ && !d.certificate.strict()) {
+      d = without_symmetry(d);
+      return;
+    }
+    fill_report(d, norm_, d.params.e_max);
+    if (d.certificate.strict()) return;
+    const Defect& defect = d.certificate.defects.front();
+    throw Error(ErrorCode::kInternal,
+                "the result broke its own certificate: " + defect.check + " " + defect.text);
+  }
+
+  Decomposition without_symmetry(const Decomposition& d) const {
+    DecomposeParams plain = params_;
+    plain.symmetry = SymmetryMode::kOff;
+    plain.e_max = d.params.e_max;
+    Decomposition whole = decompose(input_, plain, field_, context_);
+    whole.report.notes.push_back("the symmetric result broke a promise (" + d.certificate.defects[0].text +
+                                 "), so the mesh was decomposed as a whole");
+    return whole;
+  }
+
+  const InputMesh& input_;
+  const DecomposeParams& params_;
+  const UserField* field_;
+  RunContext& context_;
+  Decomposition common_;  // what all results have in common
+  RepairResult repaired_;
+  Normalisation norm_;
+  SurfaceMesh mesh_;  // in diagonals around the origin, the half of a symmetric one
+  std::optional<SymmetricHalf> half_;
+  TriangleSoup user_soup_;
+  ClosestPointTree user_tree_;
+};
+
 }  // namespace
 
 void validate(const DecomposeParams& params) {
@@ -245,8 +428,6 @@ void validate(const DecomposeParams& params) {
   require(params.scale > 0 && std::isfinite(params.scale), "scale", "above 0");
   if (params.target_size)
     require(*params.target_size > 0 && std::isfinite(*params.target_size), "target_size", "above 0");
-  if (params.symmetry != SymmetryMode::kOff)
-    refuse("symmetry is not available yet", "symmetry", "leave it off");
   if (params.normal_deviation)
     refuse("the normal-deviation criterion is not available yet", "normal_deviation", "leave it out");
   if (params.morph != MorphKind::kReduced)
@@ -256,68 +437,25 @@ void validate(const DecomposeParams& params) {
 Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,
                         RunContext& context) {
   validate(params);
-  using Clock = std::chrono::steady_clock;
-  const auto seconds_since = [](Clock::time_point t) {
-    return std::chrono::duration<double>(Clock::now() - t).count();
-  };
-  Decomposition result;
-  result.input_vertices = static_cast<int>(input.soup.points.size());
-  result.input_faces = static_cast<int>(input.soup.faces.size());
-  auto start = Clock::now();
-  context.report(Stage::kPrepare, 0);
-  RepairResult repaired = repair(input.soup, context);
-  result.audit = std::move(repaired.audit);
-  const Normalisation norm = normalisation(repaired.mesh.points);
-  result.params = resolved(params, norm);
-  result.bbox_diagonal = norm.diagonal;
-  const double e_max = result.params.e_max;
-  SurfaceMesh normal_mesh = repaired.mesh;
-  for (Vector3& p : normal_mesh.points) p = norm.in(p);
-  const auto [component, count] = face_components(normal_mesh);
-  TriangleSoup user_soup;
-  ClosestPointTree user_tree;
-  if (field != nullptr) {
-    require(field->per_face.empty() ? field->per_vertex.size() == input.soup.points.size()
-                                    : field->per_face.size() == input.soup.faces.size(),
-            "field", "one direction for each vertex or face of the mesh");
-    user_soup = input.soup;
-    for (Vector3& p : user_soup.points) p = norm.in(p);
-    user_tree = ClosestPointTree(user_soup.points, user_soup.faces, context);
-  }
-  result.report.timings["prepare"] += seconds_since(start);
-  const std::vector<Variant> tries = variants(params.effort);
-  const double runs = static_cast<double>(count) * static_cast<double>(tries.size());
-  double done = 0;
-  for (int c = 0; c < count; ++c) {
-    const SurfaceMesh mesh = component_mesh(normal_mesh, component, c, context);
-    std::optional<ComponentResult> best;
-    for (const Variant& variant : tries) {
-      start = Clock::now();
-      RunContext part = part_of(context, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
-      done += 1;
-      ComponentInput ci;
-      ci.prepared = prepared_component(mesh, result.params, variant.mesh, e_max, part);
-      ci.reference = {mesh.points, mesh.faces};
-      if (field != nullptr) ci.guide = carry_guide(*field, user_soup, user_tree, ci.prepared.mesh);
-      result.report.timings["prepare"] += seconds_since(start);
-      ComponentResult cr = decompose_component(ci, component_params(result.params, e_max, variant), part);
-      for (const auto& [name, s] : cr.seconds) result.report.timings[name] += s;
-      if (!best || rank(cr, e_max) < rank(*best, e_max)) best = std::move(cr);
-    }
-    append(result.strips, best->strips, c);
-    result.report.notes.insert(result.report.notes.end(), best->notes.begin(), best->notes.end());
-  }
-  for (Vector3& p : result.strips.points) p = norm.out(p);
-  for (Vector2& u : result.strips.uvs) u *= norm.diagonal;
-  start = Clock::now();
-  result.certificate = certify(input.soup, &repaired.mesh, result.strips, params.max_sides, 20000, context);
-  result.report.timings["certify"] += seconds_since(start);
-  fill_report(result, norm, e_max);
-  if (!result.certificate.strict()) {
-    const Defect& d = result.certificate.defects.front();
-    throw Error(ErrorCode::kInternal, "the result broke its own certificate: " + d.check + " " + d.text);
-  }
-  return result;
+  return Sweep(input, params, field, context).run({}).front();
+}
+
+std::vector<Decomposition> sweep(const InputMesh& input, const DecomposeParams& params,
+                                 const std::vector<double>& e_max, const UserField* field,
+                                 RunContext& context) {
+  require(!e_max.empty(), "e_max", "at least one tolerance");
+  if (params.e_max_mm) refuse("a sweep takes fractions of the diagonal", "e_max_mm", "use e_max");
+  DecomposeParams each = params;
+  for (double e : e_max) each.e_max = e, validate(each);
+  std::vector<double> ascending = e_max;
+  std::sort(ascending.begin(), ascending.end());
+  ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
+  each.e_max = ascending.front();
+  const std::vector<Decomposition> found = Sweep(input, each, field, context).run(ascending);
+  std::vector<Decomposition> results;
+  for (double e : e_max)
+    results.push_back(found[std::lower_bound(ascending.begin(), ascending.end(), e) - ascending.begin()]);
+  return results;
 }
 
 }  // namespace sheetform

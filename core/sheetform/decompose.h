@@ -11,18 +11,13 @@
 #include "sheetform/mesh/surface_mesh.h"
 #include "sheetform/strip/certificate.h"
 #include "sheetform/strip/strip_mesh.h"
+#include "sheetform/symmetric.h"
 
 namespace sheetform {
 
 enum class Effort { kDraft, kNormal, kThorough };
 enum class SymmetryMode { kOff, kAuto, kPlane };
 enum class MorphKind { kReduced, kFull };
-
-/// A plane normal . x = offset, in the units of the mesh; normal is unit.
-struct Plane {
-  Vector3 normal = Vector3::UnitX();
-  double offset = 0;
-};
 
 /// Every parameter of a decomposition. Defaults are held to proto/schemas/parameters.schema.json by a test.
 struct DecomposeParams {
@@ -68,8 +63,9 @@ struct Report {
 
 struct Decomposition {
   StripMesh strips;
-  DecomposeParams params;    ///< as in force: scale and e_max resolved
-  double bbox_diagonal = 0;  ///< of the input, units of the mesh
+  DecomposeParams params;             ///< as in force: scale and e_max resolved
+  double bbox_diagonal = 0;           ///< of the input, units of the mesh
+  std::optional<Plane> mirror_plane;  ///< of symmetric results: every point has its exact image
   int input_vertices = 0, input_faces = 0;
   MeshAudit audit;  ///< what was wrong with the input and what was repaired
   Certificate certificate;

@@ -8,6 +8,9 @@ namespace sheetform::server {
 CommandSpec decompose_spec();
 int decompose_command(const ParsedLine& line);
 
+CommandSpec sweep_spec();
+int sweep_command(const ParsedLine& line);
+
 CommandSpec serve_spec();
 int serve_command(const ParsedLine& line);
 

@@ -1,11 +1,14 @@
 #include "server/mapping/run.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 
 #include "server/mapping/parameters.h"
 #include "sheetform/blueprint/result_writer.h"
 #include "sheetform/decompose.h"
 #include "sheetform/mesh/mesh_io.h"
+#include "sheetform/sweep.h"
 
 namespace sheetform::server {
 namespace {
@@ -56,6 +59,56 @@ std::vector<OutputFile> files_of(const Decomposition& d) {
   return files;
 }
 
+InputMesh input_of(std::string_view bytes, const std::string& name, const DecomposeParams& params,
+                   RunContext& context, std::vector<std::string>& notes) {
+  context.seed = params.seed;
+  context.report(Stage::kRead, 0);
+  MeshFile file = read_nonempty_mesh(bytes, name);
+  context.report(Stage::kRead, 1);
+  notes = std::move(file.notes);
+  return {std::move(file.soup), file.format, name};
+}
+
+Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes) {
+  require_certificate(d);
+  Outcome outcome{files_of(d), report_of(d), notes};
+  outcome.notes.insert(outcome.notes.end(), d.report.notes.begin(), d.report.notes.end());
+  return outcome;
+}
+
+/// The shortest text that reads back as the number.
+std::string number_text(double x) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+/// The curve of a sweep as a table and as JSON, by ascending tolerance.
+std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
+  constexpr std::array<const char*, 7> kColumns{"e_max",     "patches",       "cut_length", "border_length",
+                                                "hausdorff", "mean_distance", "e_max_met"};
+  std::vector<const SweepStep*> order;
+  for (const SweepStep& step : steps) order.push_back(&step);
+  const auto e_max = [](const SweepStep* s) { return s->outcome.report.at("e_max").get<double>(); };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const SweepStep* a, const SweepStep* b) { return e_max(a) < e_max(b); });
+  std::string csv = "folder";
+  for (const char* column : kColumns) csv += std::string(",") + column;
+  csv += "\r\n";
+  api::Json curve = api::Json::array();
+  for (const SweepStep* step : order) {
+    api::Json point{{"folder", step->folder}};
+    csv += step->folder;
+    for (const char* column : kColumns) {
+      point[column] = step->outcome.report.at(column);
+      csv += "," + point[column].dump();
+    }
+    csv += "\r\n";
+    curve.push_back(std::move(point));
+  }
+  const api::Json json{{"schema", "sheetform-sweep/1"}, {"curve", std::move(curve)}};
+  return {{"sweep.csv", "text/csv", csv}, {"sweep.json", "application/json", json.dump(1) + "\n"}};
+}
+
 }  // namespace
 
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters) {
@@ -82,18 +135,28 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
 Outcome run_decomposition(std::string_view bytes, const std::string& name, const api::Json& parameters,
                           RunContext& context) {
   const DecomposeParams params = to_core(parameters);
-  context.seed = params.seed;
-  context.report(Stage::kRead, 0);
-  MeshFile file = read_nonempty_mesh(bytes, name);
-  const InputMesh input{std::move(file.soup), file.format, name};
-  context.report(Stage::kRead, 1);
+  std::vector<std::string> notes;
+  const InputMesh input = input_of(bytes, name, params, context, notes);
   const Decomposition result = decompose(input, params, nullptr, context);
-  require_certificate(result);
   context.report(Stage::kWrite, 0);
-  Outcome outcome{files_of(result), report_of(result), file.notes};
-  outcome.notes.insert(outcome.notes.end(), result.report.notes.begin(), result.report.notes.end());
+  Outcome outcome = outcome_of(result, notes);
   context.report(Stage::kWrite, 1);
   return outcome;
+}
+
+SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
+                       const std::vector<double>& e_max, RunContext& context) {
+  const DecomposeParams params = to_core(parameters);
+  std::vector<std::string> notes;
+  const InputMesh input = input_of(bytes, name, params, context, notes);
+  SweepOutcome sweep_outcome;
+  const std::vector<Decomposition> results = sweep(input, params, e_max, nullptr, context);
+  context.report(Stage::kWrite, 0);
+  for (const Decomposition& d : results)
+    sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, notes)});
+  sweep_outcome.files = curve_of(sweep_outcome.steps);
+  context.report(Stage::kWrite, 1);
+  return sweep_outcome;
 }
 
 }  // namespace sheetform::server

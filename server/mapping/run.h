@@ -25,4 +25,18 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
 Outcome run_decomposition(std::string_view bytes, const std::string& name, const api::Json& parameters,
                           RunContext& context);
 
+struct SweepStep {
+  std::string folder;  ///< named by the tolerance: "0.02"
+  Outcome outcome;
+};
+
+struct SweepOutcome {
+  std::vector<SweepStep> steps;   ///< in the order of the tolerances given
+  std::vector<OutputFile> files;  ///< sweep.csv and sweep.json: parts and cut length against error
+};
+
+/// The same for several tolerances (fractions of the diagonal) in one run. Throws Error.
+SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
+                       const std::vector<double>& e_max, RunContext& context);
+
 }  // namespace sheetform::server

@@ -125,6 +125,11 @@ Json parameters_of(const DecomposeParams& p) {
           {"seed", p.seed}};
 }
 
+Json plane_of(const Decomposition& d) {
+  if (!d.mirror_plane) return nullptr;
+  return {{"normal", triple(d.mirror_plane->normal)}, {"offset", d.mirror_plane->offset}};
+}
+
 Json audit_of(const MeshAudit& audit) {
   Json findings = Json::array();
   for (const AuditFinding& f : audit.findings)
@@ -188,7 +193,8 @@ Json arch_of(const StripMesh::Arch& arch, int id) {
   return {{"id", id},
           {"vertices", arch.vertices},
           {"patches", Json::array({Json(arch.patches[0]), other})},
-          {"crease", arch.crease}};
+          {"crease", arch.crease},
+          {"on_plane", arch.on_plane}};
 }
 
 // Compact text of one value; texts of users with broken UTF-8 are mended, not refused.
@@ -213,6 +219,7 @@ std::string write_json(const Decomposition& d, const std::vector<std::string>& l
   const Json sheet = {{"width", page.width}, {"height", page.height}};
   std::string out = "{\n \"schema\": \"sheetform-layout/1\",\n \"scale\": " + exact(d.params.scale);
   out += ",\n \"input\": " + dump(input) + ",\n \"parameters\": " + dump(parameters_of(d.params));
+  out += ",\n \"symmetry_plane\": " + dump(plane_of(d));
   out += ",\n \"page_mm\": " + dump(sheet);
   out += ",\n \"patches\": " + dump_lines(patches) + ",\n \"arches\": " + dump_lines(arches);
   out += ",\n \"audit\": " + dump(audit_of(d.audit)) + ",\n \"report\": " + dump(report_of(d)) + "\n}\n";

@@ -338,6 +338,12 @@ void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, 
     if (crease_edge[e] && network.edge_path[e] == PathNetwork::kFree) follow(mesh.edges[e].v0, e);
 }
 
+void add_symmetry(const std::vector<char>& plane_edge, PathNetwork& network) {
+  const int path = network.add_path(PathKind::kSymmetry);
+  for (std::size_t e = 0; e < plane_edge.size(); ++e)
+    if (plane_edge[e]) network.edge_path[e] = path;
+}
+
 int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
   int degree = 0;
   for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) degree += network.used(*e);

@@ -39,6 +39,9 @@ PathNetwork bare_network(const SurfaceMesh& mesh);
 /// Marks creases (by edge) as paths: chains between crease ends, junctions and turns of more than 50 degrees.
 void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network);
 
+/// Makes the border edges on the plane of symmetry (by edge) a path of their own.
+void add_symmetry(const std::vector<char>& plane_edge, PathNetwork& network);
+
 /// Number of network edges at a vertex.
 int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v);
 

@@ -85,4 +85,32 @@ HalfMesh cut_half(const SurfaceMesh& input, const std::vector<char>& crease_edge
   return result;
 }
 
+PlaneBorder plane_border(SurfaceMesh& half, double reach) {
+  PlaneBorder plane;
+  plane.edge.assign(half.edges.size(), 0);
+  plane.vertex.assign(half.points.size(), 0);
+  for (int e = 0; e < half.edge_count(); ++e) {
+    const auto& edge = half.edges[e];
+    if (!edge.border() || std::abs(half.points[edge.v0].x()) > reach ||
+        std::abs(half.points[edge.v1].x()) > reach)
+      continue;
+    plane.edge[e] = plane.vertex[edge.v0] = plane.vertex[edge.v1] = 1;
+  }
+  for (int v = 0; v < half.vertex_count(); ++v)
+    if (plane.vertex[v]) half.points[v].x() = 0;
+  return plane;
+}
+
+SurfaceMesh with_mirror_image(const SurfaceMesh& half, const PlaneBorder& plane) {
+  std::vector<Vector3> points = half.points;
+  std::vector<std::array<int, 3>> faces = half.faces;
+  std::vector<int> image(points.size());
+  for (int v = 0; v < half.vertex_count(); ++v) {
+    image[v] = plane.vertex[v] ? v : static_cast<int>(points.size());
+    if (!plane.vertex[v]) points.emplace_back(-half.points[v].x(), half.points[v].y(), half.points[v].z());
+  }
+  for (const auto& f : half.faces) faces.push_back({image[f[0]], image[f[2]], image[f[1]]});
+  return build_surface_mesh(std::move(points), std::move(faces));
+}
+
 }  // namespace sheetform

@@ -41,4 +41,16 @@ struct HalfMesh {
 HalfMesh cut_half(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, const Vector3& normal,
                   double offset, double snap = 0.1);
 
+/// What of a half lies on its plane of symmetry x = 0, by edge and by vertex.
+struct PlaneBorder {
+  std::vector<char> edge, vertex;
+};
+
+/// The border edges whose ends are nearer than `reach` to x = 0, and these ends, which are moved onto it.
+PlaneBorder plane_border(SurfaceMesh& half, double reach);
+
+/// The half x >= 0 and its mirror image, glued along the plane x = 0: vertices of `half` first, in their
+/// order.
+SurfaceMesh with_mirror_image(const SurfaceMesh& half, const PlaneBorder& plane);
+
 }  // namespace sheetform

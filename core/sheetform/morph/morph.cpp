@@ -37,13 +37,26 @@ class NormalEquations {
     if (!analysed_) solver_.analyzePattern(matrix);
     analysed_ = true;
     solver_.factorize(matrix);
-    const Eigen::MatrixX3d x = solver_.solve(rhs_);
+    Eigen::MatrixX3d x = solver_.solve(rhs_);
+    if (!problem_.on_plane.empty()) x.col(0) = solve_across(matrix);
     std::vector<Vector3> position(n_);
     for (int i = 0; i < n_; ++i) position[i] = x.row(i);
     return position;
   }
 
  private:
+  // The coordinate across the plane of symmetry: that of points on it is 0, so their rows drop out.
+  Eigen::VectorXd solve_across(Sparse matrix) {
+    const std::vector<char>& fixed = problem_.on_plane;
+    for (int column = 0; column < n_; ++column)
+      for (Sparse::InnerIterator it(matrix, column); it; ++it)
+        if (fixed[column] || fixed[it.row()]) it.valueRef() = it.row() == column ? 1 : 0;
+    solver_.factorize(matrix);
+    Eigen::VectorXd right = rhs_.col(0);
+    for (int i = 0; i < n_; ++i)
+      if (fixed[i]) right[i] = 0;
+    return solver_.solve(right);
+  }
   void add(int i, int j, double v) {
     if (i >= j) triplets_.emplace_back(i, j, v);
   }

@@ -33,6 +33,7 @@ struct MorphProblem {
       stencils;  ///< consecutive unknowns along an arch: smoothness of the displacement
   std::vector<std::array<int, 3>> bends;  ///< the same, absolute: keeps the arch itself smooth (small weight)
   std::vector<MorphSample> samples;
+  std::vector<char> on_plane;  ///< per unknown: stays in the plane x = 0; empty = none does
 };
 
 struct MorphParams {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <tuple>
+#include <utility>
 
 #include "sheetform/base/error.h"
 #include "sheetform/search/finish.h"
@@ -14,23 +16,28 @@ namespace {
 // A finer measurement finds a little more than the one made here.
 constexpr double kMeasured = 0.993;
 constexpr int kQuickSamples = 4000, kSamples = 20000;  // the latter as the certificate takes them
+constexpr double kOnPlane = 1e-9;                      // of the diagonal
 
 constexpr int kFinerAttempts = 3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
 class Laps {
  public:
-  explicit Laps(std::map<std::string, double>& seconds) : seconds_(seconds), last_(Clock::now()) {}
   void lap(Stage stage) {
     const auto now = Clock::now();
     seconds_[to_string(stage)] += std::chrono::duration<double>(now - last_).count();
     last_ = now;
   }
+  // The seconds since the last time; stages that took none are named too.
+  std::map<std::string, double> take() {
+    for (Stage stage : {Stage::kField, Stage::kTrace, Stage::kInsert}) seconds_[to_string(stage)] += 0;
+    return std::exchange(seconds_, {});
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::map<std::string, double>& seconds_;
-  Clock::time_point last_;
+  std::map<std::string, double> seconds_;
+  Clock::time_point last_ = Clock::now();
 };
 
 // The layout as strips, and what is still wrong with it.
@@ -49,10 +56,10 @@ class ComponentRun {
       : input_(input),
         params_(params),
         context_(context),
-        tree_(input.reference.points, input.reference.faces, context),
-        laps_(result_.seconds) {}
+        tree_(input.reference.points, input.reference.faces, context) {}
 
-  ComponentResult run() {
+  std::vector<ComponentResult> run(const std::vector<double>& tolerances) {
+    params_.evaluation.e_max = tolerances.front();
     const SurfaceMesh& mesh = input_.prepared.mesh;
     const auto& crease = input_.prepared.crease_edge;
     context_.report(Stage::kField, 0);
@@ -66,28 +73,62 @@ class ComponentRun {
     trace.seeds = params_.seeds;
     std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
     laps_.lap(Stage::kTrace);
-    surface_.mesh = mesh;
-    surface_.versions.assign(mesh.points.size(), 0);
-    surface_.guide = surface_guide(mesh, curvature);
-    surface_.input = &tree_;
-    surface_.details = find_details();
-    surface_.elimination_rank = elimination_rank(mesh);
-    PathNetwork network = bare_network(mesh);
-    add_creases(mesh, crease, network);
-    SearchParams search_params;
-    search_params.evaluation = params_.evaluation;
-    search_params.evaluation.e_max *= params_.margin;
-    LayoutSearch search(surface_, std::move(network), graph, std::move(candidates), search_params, context_);
-    search.insert();
-    laps_.lap(Stage::kInsert);
-    reduce(search);
-    laps_.lap(Stage::kRemove);
-    finish(search);
-    laps_.lap(Stage::kFinal);
-    return std::move(result_);
+    set_up_surface(curvature);
+    const PathNetwork start = start_network();
+    std::vector<std::unique_ptr<LayoutSearch>> searches;
+    searches.push_back(std::make_unique<LayoutSearch>(surface_, start, graph, std::move(candidates),
+                                                      search_params(), context_));
+    std::vector<ComponentResult> results;
+    for (double e_max : tolerances) {
+      params_.evaluation.e_max = e_max;
+      if (!results.empty())
+        searches.push_back(std::make_unique<LayoutSearch>(*searches.back(), start, search_params()));
+      ComponentResult result = solve(*searches.back());
+      if (!results.empty() && result.strips.patches.size() > results.back().strips.patches.size())
+        result.strips = results.back().strips, result.distance = results.back().distance;
+      results.push_back(std::move(result));
+    }
+    return results;
   }
 
  private:
+  void set_up_surface(const CurvatureField& curvature) {
+    surface_.mesh = input_.prepared.mesh;
+    surface_.versions.assign(surface_.mesh.points.size(), 0);
+    surface_.guide = surface_guide(surface_.mesh, curvature);
+    surface_.input = &tree_;
+    surface_.details = find_details();
+    surface_.elimination_rank = elimination_rank(surface_.mesh);
+    if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
+  }
+
+  PathNetwork start_network() const {
+    PathNetwork network = bare_network(surface_.mesh);
+    if (input_.half) add_symmetry(surface_.plane.edge, network);
+    add_creases(surface_.mesh, input_.prepared.crease_edge, network);
+    return network;
+  }
+
+  SearchParams search_params() const {
+    SearchParams search;
+    search.evaluation = params_.evaluation;
+    search.evaluation.e_max *= params_.margin;
+    return search;
+  }
+
+  // From the bare network to the strips; what is shared counts for the first tolerance.
+  ComponentResult solve(LayoutSearch& search) {
+    search.insert();
+    laps_.lap(Stage::kInsert);
+    reduce(search);
+    if (input_.half) search.straighten_plane();
+    laps_.lap(Stage::kRemove);
+    finish(search);
+    laps_.lap(Stage::kFinal);
+    result_.seconds = laps_.take();
+    return std::exchange(result_, {});
+  }
+
   // Points of the input that the working mesh misses by more than a small share of the tolerance.
   std::vector<DetailPoint> find_details() const {
     const SurfaceMesh& mesh = input_.prepared.mesh;
@@ -131,6 +172,8 @@ class ComponentRun {
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
       const Attempt attempt = build_best(search);
+      const bool valid = attempt.invalid.empty();
+      if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
         if (!have_best || attempt.distance < best)
@@ -204,7 +247,7 @@ class ComponentRun {
   }
 
   const ComponentInput& input_;
-  const ComponentParams& params_;
+  ComponentParams params_;
   RunContext& context_;
   ClosestPointTree tree_;
   SearchSurface surface_;
@@ -212,20 +255,34 @@ class ComponentRun {
   Laps laps_;
 };
 
+// Two sides of a plate thinner than the tolerance may have become one: finer parts keep them apart.
+ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, ComponentParams params,
+                           RunContext& context) {
+  for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
+    if (check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty()) break;
+    params.evaluation.e_max /= 2;
+    result = ComponentRun(input, params, context).run({params.evaluation.e_max}).front();
+    result.notes.push_back(kFiner);
+  }
+  return result;
+}
+
 }  // namespace
 
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
                                     RunContext& context) {
-  ComponentParams now = params;
-  for (int attempt = 0;; ++attempt) {
-    ComponentResult result = ComponentRun(input, now, context).run();
-    const auto defects =
-        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0);
-    if (attempt > 0) result.notes.push_back(kFiner);
-    if (attempt == kFinerAttempts || defects.empty()) return result;
-    // Two sides of a plate thinner than the tolerance may have become one: finer parts keep them apart.
-    now.evaluation.e_max /= 2;
+  return sweep_component(input, params, {params.evaluation.e_max}, context).front();
+}
+
+std::vector<ComponentResult> sweep_component(const ComponentInput& input, const ComponentParams& params,
+                                             const std::vector<double>& e_max, RunContext& context) {
+  std::vector<ComponentResult> results = ComponentRun(input, params, context).run(e_max);
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    ComponentParams own = params;
+    own.evaluation.e_max = e_max[k];
+    results[k] = kept_apart(std::move(results[k]), input, own, context);
   }
+  return results;
 }
 
 }  // namespace sheetform

@@ -15,6 +15,7 @@ struct ComponentInput {
   PreparedMesh prepared;
   TriangleSoup reference;      ///< the untouched input surface of this component
   std::vector<Vector3> guide;  ///< cross directions given by the user, per prepared vertex; empty = none
+  bool half = false;           ///< of a symmetric surface: its border on x = 0 stays there, to be mirrored
 };
 
 struct ComponentParams {
@@ -32,6 +33,12 @@ struct ComponentResult {
   std::vector<std::string> notes;         ///< for people
   std::map<std::string, double> seconds;  ///< by stage
 };
+
+/// One result for each tolerance of `e_max`, which ascend (params.evaluation.e_max does not count). Field,
+/// graph and candidates are shared, and the charts of patches seen before; a coarser tolerance does not take
+/// more parts. Errors as decompose_component.
+std::vector<ComponentResult> sweep_component(const ComponentInput& input, const ComponentParams& params,
+                                             const std::vector<double>& e_max, RunContext& context);
 
 /// Always returns valid strips: what cannot be kept is split until it can. Throws only as the context does.
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,

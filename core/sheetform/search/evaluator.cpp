@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "sheetform/search/plane_join.h"
 #include "sheetform/strip/unfold.h"
 
 namespace sheetform {
@@ -183,8 +184,18 @@ std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const Pat
   return (static_cast<std::uint64_t>(a) << 32) | static_cast<unsigned>(origin.sample);
 }
 
-double anchor_weight(const Arch& arch) {
-  return arch.right == Arch::kOutside || arch.left == Arch::kOutside ? 0.3 : 0.02;
+bool outline_on_plane(const SearchSurface& surface, const PatchLayout& layout, const Patch& patch,
+                      const PatchPolygon::Origin& origin, const std::vector<std::vector<double>>& samples) {
+  const int a = patch.boundary[origin.use].arch;
+  const Arch& arch = layout.arches[a];
+  if (origin.sample == 0) return surface.on_plane(arch.vertices.front());
+  if (origin.sample + 1 == static_cast<int>(samples[a].size())) return surface.on_plane(arch.vertices.back());
+  return surface.on_plane(arch);
+}
+
+double anchor_weight(const SearchSurface& surface, const Arch& arch) {
+  const bool border = arch.right == Arch::kOutside || arch.left == Arch::kOutside;
+  return border && !surface.on_plane(arch) ? 0.3 : 0.02;
 }
 
 // Consecutive points of the same arch around polygon point i, or false.
@@ -193,16 +204,22 @@ bool inside_arch(const PatchPolygon& polygon, int i) { return !polygon.node[i]; 
 // Numbers the outline points of arches: nodes by their vertex, then the inner samples of each arch.
 class OutlineUnknowns {
  public:
-  OutlineUnknowns(const SurfaceMesh& mesh, const PatchLayout& layout, double spacing, MorphProblem& problem)
-      : mesh_(mesh), layout_(layout), spacing_(spacing), problem_(problem), ids_(layout.arches.size()) {}
+  OutlineUnknowns(const SearchSurface& surface, const PatchLayout& layout, double spacing,
+                  MorphProblem& problem)
+      : surface_(surface),
+        mesh_(surface.mesh),
+        layout_(layout),
+        spacing_(spacing),
+        problem_(problem),
+        ids_(layout.arches.size()) {}
 
   // free: the points may move; else they stay where `held` says (or at rest).
   void add(int a, bool free, const std::vector<Vector3>* held) {
     if (!ids_[a].empty()) return;
     const Arch& arch = layout_.arches[a];
-    const std::vector<double> samples = sample_arch(mesh_, arch, spacing_);
+    const std::vector<double> samples = outline_samples(surface_, arch, spacing_);
     if (held != nullptr && held->size() != samples.size()) held = nullptr;
-    const double anchor = free ? anchor_weight(arch) : kHeld;
+    const double anchor = free ? anchor_weight(surface_, arch) : kHeld;
     const int last = static_cast<int>(samples.size()) - 1;
     auto& ids = ids_[a];
     for (int s = 0; s <= last; ++s) {
@@ -213,13 +230,17 @@ class OutlineUnknowns {
         ids.push_back(static_cast<int>(problem_.rest.size()));
         problem_.rest.push_back(rest);
         problem_.anchor.push_back(anchor);
+        on_plane_.push_back(surface_.on_plane(arch));
       }
     }
     if (!free) return;
     for (int s = 1; s < last; ++s) problem_.stencils.push_back({ids[s - 1], ids[s], ids[s + 1]});
   }
   const std::vector<int>& of(int arch) const { return ids_[arch]; }
-  std::vector<std::vector<int>> take() { return std::move(ids_); }
+  std::vector<std::vector<int>> take() {
+    if (!surface_.plane.vertex.empty()) problem_.on_plane = std::move(on_plane_);
+    return std::move(ids_);
+  }
 
  private:
   static constexpr double kHeld = 1e4;
@@ -228,16 +249,19 @@ class OutlineUnknowns {
     if (fresh) {
       problem_.rest.push_back(rest);
       problem_.anchor.push_back(anchor);
+      on_plane_.push_back(surface_.on_plane(v));
     } else if (anchor > problem_.anchor[it->second]) {
       problem_.rest[it->second] = rest;
       problem_.anchor[it->second] = anchor;
     }
     return it->second;
   }
+  const SearchSurface& surface_;
   const SurfaceMesh& mesh_;
   const PatchLayout& layout_;
   double spacing_;
   MorphProblem& problem_;
+  std::vector<char> on_plane_;  // per unknown
   std::vector<std::vector<int>> ids_;
   std::unordered_map<int, int> nodes_;
 };
@@ -387,10 +411,11 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty())
-      samples[use.arch] = sample_arch(surface_.mesh, layout.arches[use.arch], params_.spacing);
+      samples[use.arch] = outline_samples(surface_, layout.arches[use.arch], params_.spacing);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
   find_corners(layout, patch, params_.corner_reach, params_.corner_turn, !params_.t_junctions, *e);
-  if (static_cast<int>(e->corners.size()) > params_.max_sides)
+  if (static_cast<int>(e->corners.size()) > params_.max_sides ||
+      !fits_its_image(surface_, layout, patch, e->polygon, e->corners, params_))
     return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
@@ -420,6 +445,9 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     if (i == 0 || keys[i].first != keys[i - 1].first) {
       problem.rest.push_back(e->polygon.point[keys[i].second]);
       problem.anchor.push_back(0.02);
+      if (!surface_.plane.vertex.empty())
+        problem.on_plane.push_back(
+            outline_on_plane(surface_, layout, patch, e->polygon.origin[keys[i].second], samples));
     }
     unknown[keys[i].second] = static_cast<int>(problem.rest.size()) - 1;
   }
@@ -470,7 +498,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   out.patch_error.assign(layout.patches.size(), 0);
   out.unknowns.resize(layout.patches.size());
   MorphProblem problem;
-  OutlineUnknowns unknowns(surface_.mesh, layout, params_.spacing, problem);
+  OutlineUnknowns unknowns(surface_, layout, params_.spacing, problem);
   for (int p : region)
     for (const ArchUse& use : layout.patches[p].boundary) {
       const Arch& arch = layout.arches[use.arch];
@@ -503,6 +531,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   morph_params.rounds = rounds;
   morph_params.stop_below = 0.7 * params_.e_max;
   out.position = morph(problem, morph_params).position;
+  out.on_plane = std::move(problem.on_plane);
   parallel_for(context_, static_cast<int>(region.size()), [&](int i) {
     const int p = region[i];
     const PatchEvaluation& e = *out.patches[p];

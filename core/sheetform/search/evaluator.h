@@ -11,6 +11,7 @@
 #include "sheetform/base/run_context.h"
 #include "sheetform/layout/layout.h"
 #include "sheetform/mesh/closest_point.h"
+#include "sheetform/mesh/symmetry.h"
 #include "sheetform/morph/morph.h"
 #include "sheetform/ruling/rulings.h"
 
@@ -32,6 +33,14 @@ struct SearchSurface {
   const ClosestPointTree* input = nullptr;  ///< the untouched input
   std::vector<DetailPoint> details;         ///< ascending by face
   std::vector<int> elimination_rank;        ///< see ruling/chart.h; may be empty
+  PlaneBorder plane;                        ///< of a half; empty without symmetry
+
+  std::vector<char> straight;  ///< by edge: its arch on the plane is one segment, a ruling of the patch
+                               ///< beside it joined to its image; empty = none is
+
+  bool is_straight(const Arch& arch) const { return !straight.empty() && straight[arch.edges.front()]; }
+  bool on_plane(const Arch& arch) const { return !plane.edge.empty() && plane.edge[arch.edges.front()]; }
+  bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
 };
 
 struct EvaluationParams {
@@ -83,6 +92,7 @@ struct LayoutEvaluation {
   std::vector<std::vector<int>> unknowns;       ///< per patch: polygon point -> unknown
   std::vector<std::vector<int>> arch_unknowns;  ///< per arch: its points from node to node
   std::vector<Vector3> position;                ///< per unknown
+  std::vector<char> on_plane;                   ///< per unknown: on the plane of symmetry; empty = none is
   double max_error = 0;
   int failing = 0;  ///< patches that are not viable or exceed e_max
 };

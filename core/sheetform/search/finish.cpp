@@ -13,10 +13,11 @@ using Pair = std::pair<int, int>;
 Pair ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
 // Chords must be edges of their own: not an arch edge, not the chord of another patch (or of the other side
-// of a seam), or three faces would meet there.
+// of a seam), or three faces would meet there. Nor may both ends lie on the plane of symmetry: there the
+// chord would meet its mirror image.
 class ChordBook {
  public:
-  explicit ChordBook(const LayoutEvaluation& e) {
+  explicit ChordBook(const LayoutEvaluation& e) : on_plane_(e.on_plane) {
     for (const auto& points : e.arch_unknowns)
       for (std::size_t i = 0; i + 1 < points.size(); ++i) used_.insert(ordered(points[i], points[i + 1]));
   }
@@ -24,7 +25,8 @@ class ChordBook {
     std::set<Pair> bad, own;
     for (const auto& c : patch.rulings.chords) {
       const Pair pair = ordered(unknowns[c.a], unknowns[c.b]);
-      if (pair.first == pair.second || used_.count(pair) || !own.insert(pair).second) bad.insert(pair);
+      if (pair.first == pair.second || in_plane(pair) || used_.count(pair) || !own.insert(pair).second)
+        bad.insert(pair);
     }
     return bad;
   }
@@ -33,6 +35,11 @@ class ChordBook {
   }
 
  private:
+  bool in_plane(const Pair& p) const {
+    return !on_plane_.empty() && on_plane_[p.first] && on_plane_[p.second];
+  }
+
+  const std::vector<char>& on_plane_;
   std::set<Pair> used_;
 };
 
@@ -156,8 +163,10 @@ FinishedLayout FinalPass::solve(int rounds) {
     const Arch& arch = layout_.arches[a];
     int left = arch.left, right = arch.right;
     if (left < 0) std::swap(left, right);
-    out.source.arches.push_back(
-        {e.arch_unknowns[a], {left, right}, network_.kinds[arch.path] == PathKind::kCrease});
+    out.source.arches.push_back({e.arch_unknowns[a],
+                                 {left, right},
+                                 network_.kinds[arch.path] == PathKind::kCrease,
+                                 surface_.on_plane(arch)});
   }
   return out;
 }

@@ -31,6 +31,25 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
       edge_length_(mean_edge_length(surface.mesh)),
       rest_(surface.mesh.points) {}
 
+LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params)
+    : surface_(before.surface_),
+      network_(surface_.mesh, std::move(start)),
+      graph_(before.graph_),
+      candidates_(before.pool_),
+      pool_(before.pool_),
+      params_(params),
+      context_(before.context_),
+      distance_(graph_, 1.0),
+      evaluator_(surface_, params_.evaluation, context_, &before.evaluator_),
+      rules_{params.evaluation.self_seams},
+      edge_length_(before.edge_length_),
+      last_version_(before.last_version_),
+      rest_(before.rest_) {
+  surface_.mesh.points = rest_;
+  surface_.versions.assign(rest_.size(), 0);
+  surface_.straight.clear();
+}
+
 const PatchLayout& LayoutSearch::layout() {
   if (!layout_valid_) layout_ = extract_layout(surface_.mesh, network_.network(), surface_.versions, rules_);
   layout_valid_ = true;

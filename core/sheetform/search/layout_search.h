@@ -34,6 +34,9 @@ class LayoutSearch {
   /// `surface.mesh` may be moved by smoothing; `graph` and `candidates` refer to its vertices by index.
   LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph,
                std::vector<Path> candidates, const SearchParams& params, RunContext& context);
+  /// Starts again from `start` with other parameters: the surface is as it was before any smoothing. Takes
+  /// the charts of `before` where it has them, so that has to live as long; it must not be used any more.
+  LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params);
 
   /// Inserts until every patch is a disk with few sides, then until every patch fits within e_max.
   void insert();
@@ -50,6 +53,11 @@ class LayoutSearch {
   void settle();
   /// Smooths the paths as far as every patch stays viable.
   void smooth_what_allows();
+  /// Arches on the plane of symmetry become straight, longest first, where the patch beside each then fits
+  /// together with its mirror image; returns how many.
+  int straighten_plane();
+  /// Straight arches of these patches (of layout()) take the shape of the surface again; returns how many.
+  int release_plane(const std::vector<int>& patches);
   /// These patches (of layout()) failed by a finer measure: they are not formed again.
   void reject(const std::vector<int>& patches);
   /// Smooths all paths on the surface; patches near them are evaluated anew.
@@ -69,6 +77,8 @@ class LayoutSearch {
   int insert_for_geometry();
   bool insert_best(const std::vector<int>& bad);
   double priority(const Path& path, int patch) const;
+  bool try_straighten(int edge);
+  void set_straight(const std::vector<int>& edges, bool straight);
   bool try_remove(const std::vector<int>& edges);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;

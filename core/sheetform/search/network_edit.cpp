@@ -35,7 +35,8 @@ bool EditableNetwork::end_fits(int v, int edge) const {
     if (*e == edge) at = position;
     if (!network_.used(*e)) continue;
     const PathKind kind = network_.kinds[network_.edge_path[*e]];
-    (kind == PathKind::kBorder || kind == PathKind::kCrease ? fixed : other).push_back(position);
+    const bool held = kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry;
+    (held ? fixed : other).push_back(position);
   }
   if (fixed.size() != 2) return false;
   if (other.empty()) return true;

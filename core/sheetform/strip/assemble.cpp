@@ -24,7 +24,8 @@ StripMesh assemble_strips(const StripSource& source) {
     patch.arches = from.arches;
     mesh.patches.push_back(std::move(patch));
   }
-  for (const StripSource::Arch& a : source.arches) mesh.arches.push_back({a.points, a.patches, a.crease});
+  for (const StripSource::Arch& a : source.arches)
+    mesh.arches.push_back({a.points, a.patches, a.crease, a.on_plane});
   return mesh;
 }
 

@@ -19,6 +19,7 @@ struct StripSource {
     std::vector<int> points;
     std::array<int, 2> patches;
     bool crease = false;
+    bool on_plane = false;  ///< on the plane of symmetry x = 0
   };
   std::vector<Vector3> points;
   std::vector<Patch> patches;

@@ -28,6 +28,7 @@ struct StripMesh {
     std::vector<int> vertices;   ///< indices into points from node to node; a closed loop repeats its first
     std::array<int, 2> patches;  ///< {p, q}; q = -1 on the surface's border, p = q on a seam of p with itself
     bool crease = false;
+    bool on_plane = false;  ///< lies on the plane of symmetry
   };
   std::vector<Vector3> points;
   std::vector<Vector2> uvs;  ///< one for each (patch, vertex), on a seam with itself one for each side

@@ -126,6 +126,32 @@ TEST(CutHalf, BothHalvesMakeTheWhole) {
   }
 }
 
+TEST(CutHalf, AHalfAndItsMirrorImageMakeTheWhole) {
+  for (const TriangleSoup& soup :
+       {shapes::torus(40, 20), shapes::cylinder(30, 7), shapes::box(5, {1, 2, 3})}) {
+    const SurfaceMesh mesh = build(soup);
+    SurfaceMesh half = cut_half(mesh, {}, Vector3::UnitX(), 0, 1e-3).mesh;
+    const PlaneBorder plane = plane_border(half, 1e-12);
+    for (int v = 0; v < half.vertex_count(); ++v) EXPECT_EQ(plane.vertex[v] != 0, half.points[v].x() == 0);
+    const SurfaceMesh whole = with_mirror_image(half, plane);
+    EXPECT_EQ(whole.vertex_count() - whole.edge_count() + whole.face_count(),
+              mesh.vertex_count() - mesh.edge_count() + mesh.face_count());
+    EXPECT_EQ(count_border_loops(whole), count_border_loops(mesh));
+    EXPECT_NEAR(surface_area(whole), surface_area(mesh), 1e-9);
+    for (int v = half.vertex_count(); v < whole.vertex_count(); ++v) EXPECT_LT(whole.points[v].x(), 0);
+  }
+}
+
+TEST(CutHalf, BordersOffThePlaneAreNotOnIt) {
+  SurfaceMesh half = cut_half(build(shapes::cylinder(30, 7)), {}, Vector3::UnitX(), 0, 1e-3).mesh;
+  const PlaneBorder plane = plane_border(half, 1e-12);
+  double on = 0, off = 0;
+  for (int e = 0; e < half.edge_count(); ++e)
+    if (half.edges[e].border()) (plane.edge[e] ? on : off) += half.edge_length(e);
+  EXPECT_NEAR(on, 4, 1e-9) << "two lines of the tube's height";
+  EXPECT_NEAR(off, 2 * shapes::kPi, 0.05) << "half of both rims";
+}
+
 TEST(CutHalf, CreasesAreKeptAndTheCutIsBorder) {
   const SurfaceMesh box = build(shapes::box(4, {1, 2, 3}));
   const std::vector<char> crease = detect_creases(box, 40);

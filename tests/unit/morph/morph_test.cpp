@@ -54,6 +54,26 @@ TEST(Morph, MinimaxLineOverAnArcIsOffByHalfOfTheSagitta) {
   for (const Vector3& p : many.position) EXPECT_NEAR(p.y(), 0.015, 0.0005);
 }
 
+TEST(Morph, PointsOfThePlaneOfSymmetryStayThereAndTheOthersMakeUpForIt) {
+  // The line wants to be x = 0.1 + 0.8 t; its first end lies on the plane x = 0. Least squares through the
+  // origin: slope = sum t x / sum t^2. The other coordinates are those of the free line.
+  MorphProblem problem = arc(0.03, 100);
+  for (MorphSample& s : problem.samples) s.target.x() = 0.1 + 0.8 * s.coefficient[1], s.target.z() = 0.5;
+  double tx = 0, tt = 0;
+  for (const MorphSample& s : problem.samples) {
+    tx += s.weight * s.coefficient[1] * s.target.x();
+    tt += s.weight * s.coefficient[1] * s.coefficient[1];
+  }
+  const MorphResult free = morph(problem, params(0));
+  problem.on_plane = {1, 0};
+  const MorphResult held = morph(problem, params(0));
+  EXPECT_EQ(held.position[0].x(), 0);
+  EXPECT_NEAR(held.position[1].x(), tx / tt, 1e-7);
+  EXPECT_NEAR(free.position[0].x(), 0.1, 1e-7);
+  for (int i = 0; i < 2; ++i)
+    for (int k : {1, 2}) EXPECT_NEAR(held.position[i][k], free.position[i][k], 1e-12);
+}
+
 TEST(Morph, ErrorsGrowWithTheArc) {
   for (double s : {1e-4, 1e-2, 1.0})
     EXPECT_NEAR(morph(arc(s, 200), params(0)).max_error, s * 2 / 3, 1e-4 * s);

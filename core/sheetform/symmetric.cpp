@@ -1,0 +1,135 @@
+#include "sheetform/symmetric.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sheetform/base/error.h"
+#include "sheetform/mesh/closest_point.h"
+#include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/mesh/symmetry.h"
+
+namespace sheetform {
+namespace {
+
+constexpr double kOnPlane = 1e-12;   // of the diagonal: cut_half moves points exactly there
+constexpr double kDetail = 0.05;     // of the tolerance: what may be snapped to the plane
+constexpr double kTrusted = 0.25;    // of the tolerance: a plane that is found has to fit that well
+constexpr double kAxisAngle = 1e-3;  // radians: a plane so near to an axis is tried there
+constexpr std::size_t kMostPlanes = 4;
+
+// Largest distance from the vertices and the middles of the faces of one mesh to the other.
+double one_way(const SurfaceMesh& from, const ClosestPointTree& to) {
+  double worst = 0;
+  for (const Vector3& p : from.points) worst = std::max(worst, to.closest(p).squared_distance);
+  for (const auto& f : from.faces)
+    worst = std::max(
+        worst, to.closest((from.points[f[0]] + from.points[f[1]] + from.points[f[2]]) / 3).squared_distance);
+  return std::sqrt(worst);
+}
+
+double distance(const SurfaceMesh& a, const SurfaceMesh& b) {
+  const ClosestPointTree tree_a(a.points, a.faces), tree_b(b.points, b.faces);
+  return std::max(one_way(a, tree_b), one_way(b, tree_a));
+}
+
+int euler(const SurfaceMesh& m) { return m.vertex_count() - m.edge_count() + m.face_count(); }
+
+bool same_topology(const SurfaceMesh& a, const SurfaceMesh& b) {
+  return euler(a) == euler(b) && count_border_loops(a) == count_border_loops(b) &&
+         face_components(a).second == face_components(b).second;
+}
+
+double cut_length(const SurfaceMesh& half, const PlaneBorder& border) {
+  double sum = 0;
+  for (int e = 0; e < half.edge_count(); ++e)
+    if (border.edge[e]) sum += half.edge_length(e);
+  return sum;
+}
+
+// The plane along the nearest axis through the same place of the mesh, if that is nearly the same.
+std::optional<Plane> along_axis(const Plane& plane, const Vector3& centre) {
+  int axis = 0;
+  plane.normal.cwiseAbs().maxCoeff(&axis);
+  const Vector3 normal = std::copysign(1.0, plane.normal[axis]) * Vector3::Unit(axis);
+  if ((plane.normal - normal).norm() > kAxisAngle || plane.normal == normal) return std::nullopt;
+  // The height of the mesh's centre over the plane stays.
+  return Plane{normal, normal.dot(centre) - (plane.normal.dot(centre) - plane.offset)};
+}
+
+std::string percent(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * x);
+  return text;
+}
+
+}  // namespace
+
+PlaneFrame plane_frame(const Plane& plane) {
+  PlaneFrame frame;
+  int axis = 0;
+  plane.normal.cwiseAbs().maxCoeff(&axis);
+  const Vector3 first =
+      (Vector3::Unit((axis + 1) % 3) - plane.normal[(axis + 1) % 3] * plane.normal).normalized();
+  frame.axes.row(0) = plane.normal;
+  frame.axes.row(1) = first;
+  frame.axes.row(2) = plane.normal.cross(first);
+  frame.offset = plane.offset;
+  return frame;
+}
+
+std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane& plane, double reach,
+                                            double detail, std::string& why) {
+  SymmetricHalf half;
+  half.plane = plane;
+  half.frame = plane_frame(plane);
+  SurfaceMesh turned = mesh;
+  for (Vector3& p : turned.points) p = half.frame.in(p);
+  const double snap = std::clamp(detail / mean_edge_length(mesh), 1e-6, 0.1);
+  try {
+    half.mesh = cut_half(turned, {}, Vector3::UnitX(), 0, snap).mesh;
+  } catch (const Error& e) {
+    why = e.summary();
+    return std::nullopt;
+  }
+  const PlaneBorder border = plane_border(half.mesh, kOnPlane);
+  const SurfaceMesh whole = with_mirror_image(half.mesh, border);
+  half.deviation = distance(whole, turned);
+  if (half.deviation > reach) {
+    why = "the mesh deviates from its mirror image by " + percent(half.deviation) + " of the diagonal";
+    return std::nullopt;
+  }
+  if (!same_topology(whole, turned)) {
+    why = "the two sides of the plane differ in components, borders or holes";
+    return std::nullopt;
+  }
+  return half;
+}
+
+std::optional<SymmetricHalf> find_symmetric_half(const SurfaceMesh& mesh, double e_max,
+                                                 const RunContext& context) {
+  const ClosestPointTree tree(mesh.points, mesh.faces);
+  Vector3 centre = Vector3::Zero();
+  for (const Vector3& p : mesh.points) centre += p / static_cast<double>(mesh.points.size());
+  std::optional<SymmetricHalf> best;
+  double best_score = 0;
+  std::string why;
+  const auto consider = [&](const Plane& plane) {
+    context.checkpoint();
+    auto half = symmetric_half(mesh, plane, kTrusted * e_max, kDetail * e_max, why);
+    if (!half) return false;
+    const double cut = cut_length(half->mesh, plane_border(half->mesh, kOnPlane));
+    const double score = (cut + 1e-3) * (1 + 8 * half->deviation / e_max);
+    if (!best || score < best_score) best = std::move(half), best_score = score;
+    return true;
+  };
+  std::vector<SymmetryPlane> planes = detect_symmetry(mesh, tree, context);
+  if (planes.size() > kMostPlanes) planes.resize(kMostPlanes);
+  for (const SymmetryPlane& found : planes) {
+    const Plane plane{found.normal, found.offset};
+    const std::optional<Plane> straight = along_axis(plane, centre);
+    if (!straight || !consider(*straight)) consider(plane);
+  }
+  return best;
+}
+
+}  // namespace sheetform

@@ -1,0 +1,110 @@
+#include "server/cli/run_line.h"
+
+#include <atomic>
+#include <csignal>
+#include <thread>
+
+#include "sheetform/base/error.h"
+
+namespace sheetform::server {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+void request_stop(int) { stop_requested = true; }
+
+std::string option_text(const api::ParameterDefinition& d) {
+  std::string text = d.text + " Takes " + d.values();
+  if (!d.unit.empty()) text += " (" + d.unit + ")";
+  if (d.default_value.is_null()) return text + ".";
+  std::string value = api::dump(d.default_value);
+  if (d.default_value.is_boolean()) value = d.default_value.get<bool>() ? "on" : "off";
+  if (d.default_value.is_string()) value = d.default_value.get<std::string>();
+  return text + "; default " + value + ".";
+}
+
+std::string value_name(const api::ParameterDefinition& d) {
+  switch (d.type) {
+    case api::ParameterType::kNumber:
+      return d.unit == "mm" ? "MM" : "NUMBER";
+    case api::ParameterType::kInteger:
+      return "N";
+    case api::ParameterType::kBoolean:
+      return "on|off";
+    case api::ParameterType::kNumberOrOff:
+      return "DEGREES|off";
+    case api::ParameterType::kPlane:
+      return "off|auto|NX,NY,NZ,D";
+    case api::ParameterType::kChoice:
+      break;
+  }
+  std::string text;
+  for (const std::string& choice : d.choices) text += (text.empty() ? "" : "|") + choice;
+  return text;
+}
+
+int thread_count(const ParsedLine& line) {
+  if (line.has("--threads"))
+    return static_cast<int>(whole_number("--threads", line.get("--threads"), 1, 1024));
+  const unsigned cores = std::thread::hardware_concurrency();
+  return cores > 0 ? static_cast<int>(cores) : 1;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> run_options() {
+  std::vector<OptionSpec> options = {
+      {"--output", "DIR", "Folder of the result; made when it is not there. Required.", "-o"}};
+  for (const api::ParameterDefinition& d : api::parameter_definitions())
+    options.push_back({d.flag(), value_name(d), option_text(d), ""});
+  options.push_back({"--field", "FILE", "A cross field to follow instead of the computed one.", ""});
+  options.push_back(
+      {"--threads", "N", "Threads to use; the result does not depend on it. Default: one a core.", ""});
+  options.push_back({"--quiet", "", "No progress.", "-q"});
+  return options;
+}
+
+api::Json given_parameters(const ParsedLine& line) {
+  if (line.has("--scale") && line.has("--target-size"))
+    throw Error(ErrorCode::kInvalidParameter, "both --scale and --target-size are given", "--target-size",
+                "give one of them");
+  if (line.has("--field"))
+    throw Error(ErrorCode::kInvalidParameter,
+                "a direction field from a file is not supported by this version", "--field",
+                "leave it out; the field is then computed from the mesh");
+  api::Json values = api::Json::object();
+  for (const api::ParameterDefinition& d : api::parameter_definitions()) {
+    if (!line.has(d.flag())) continue;
+    try {
+      values[d.name] = api::parameter_from_text(d, line.get(d.flag()));
+    } catch (const api::InvalidParameter& e) {
+      throw Error(ErrorCode::kInvalidParameter, e.what(), d.flag(), e.fix());
+    }
+  }
+  return values;
+}
+
+std::string output_folder(const ParsedLine& line) {
+  if (!line.has("--output"))
+    throw Error(ErrorCode::kInvalidParameter, "no folder for the result is given", "-o", "add -o DIR");
+  return line.get("--output");
+}
+
+RunContext context_for(const ParsedLine& line, ProgressDisplay& display) {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  RunContext context;
+  context.cancelled = &stop_requested;
+  context.threads = thread_count(line);
+  context.progress = [&display](Stage stage, double fraction, const std::string& message) {
+    display.show(to_string(stage), fraction, message);
+  };
+  return context;
+}
+
+std::string percent(double fraction) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", fraction * 100);
+  return text;
+}
+
+}  // namespace sheetform::server
