@@ -25,14 +25,10 @@ int version_command(const ParsedLine&) {
   return kExitOk;
 }
 
-constexpr Command kCommands[] = {{decompose_spec, decompose_command},
-                                 {sweep_spec, sweep_command},
-                                 {verify_spec, verify_command},
-                                 {serve_spec, serve_command},
-                                 {token_spec, token_command},
-                                 {backup_spec, backup_command},
-                                 {restore_spec, restore_command},
-                                 {healthcheck_spec, healthcheck_command},
+constexpr Command kCommands[] = {{decompose_spec, decompose_command}, {sweep_spec, sweep_command},
+                                 {verify_spec, verify_command},       {serve_spec, serve_command},
+                                 {token_spec, token_command},         {backup_spec, backup_command},
+                                 {restore_spec, restore_command},     {healthcheck_spec, healthcheck_command},
                                  {version_spec, version_command}};
 
 std::vector<CommandSpec> specs() {
