@@ -17,7 +17,7 @@ struct JoinRules {
   bool every_node = false;     ///< each node is a corner (no T-junctions)
   bool self_seams = true;      ///< the joined patch may be glued to itself along another seam on the plane
   double corner_reach = 0.03;  ///< length over which directions at the new nodes are taken
-  double corner_turn = 30;     ///< degrees: a corner where the outline turns by more
+  double corner_turn = 45;     ///< degrees: a corner where the outline turns by more
 };
 
 /// A seam on the plane that is one straight segment becomes a ruling: the two patches beside it, images of
