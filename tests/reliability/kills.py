@@ -1,5 +1,6 @@
 """Sudden ends: kill -9, failing syncs, a full disk, a clock that jumps."""
 import hashlib
+import http.client
 import os
 import signal
 import threading
@@ -99,7 +100,7 @@ def session(server, count):
                 acknowledged[answer.json()["jobID"]] = hashlib.sha256(mesh).hexdigest()
             else:
                 expect(answer.status in (500, 503, 507), f"a failing disk is told by {answer.status}")
-        except (OSError, __import__("http.client", fromlist=["x"]).HTTPException):
+        except (OSError, http.client.HTTPException):
             break
     return acknowledged
 
@@ -112,7 +113,7 @@ def with_failing_sync(server):
         acknowledged = session(server, 4)
         if not server.fired():
             until_idle(server, 60)
-    except (AssertionError, OSError, ValueError):
+    except (AssertionError, OSError, ValueError, http.client.HTTPException):
         pass  # it died while it was being asked
     deadline = time.monotonic() + 5
     while server.fired() and server.process.poll() is None and time.monotonic() < deadline:
