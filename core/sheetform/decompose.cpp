@@ -166,6 +166,8 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
   c.evaluation.max_sides = params.max_sides;
   c.evaluation.self_seams = params.self_seams;
   c.evaluation.t_junctions = params.t_junctions;
+  c.evaluation.normal_deviation = params.normal_deviation.value_or(0);
+  c.morph = params.morph;
   c.seeds = variant.seeds;
   c.improvements = variant.improvements;
   c.seed = params.seed + variant.seed_offset;
@@ -196,14 +198,18 @@ double cut_length(const StripMesh& strips, const Normalisation& norm, bool borde
 
 // What makes one result better than another: the tolerance met (or missed by less), fewer parts, shorter
 // cuts.
-std::tuple<double, std::size_t, double> rank(const ComponentResult& r, double e_max) {
-  return {std::max(r.distance - e_max, 0.0), r.strips.patches.size(), cut_length(r.strips, {}, false)};
+std::tuple<double, std::size_t, double> rank(const ComponentResult& r) {
+  return {std::max(r.miss - 1, 0.0), r.strips.patches.size(), cut_length(r.strips, {}, false)};
 }
 
 std::string percent(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f %%", 100 * x);
   return text;
+}
+
+std::string text_of(const Vector3& p) {
+  return "(" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) + ")";
 }
 
 void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
@@ -218,11 +224,25 @@ void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
   r.cut_length = cut_length(d.strips, norm, false);
   r.border_length = cut_length(d.strips, norm, true);
   for (const AuditFinding& f : d.audit.findings) r.notes.push_back(f.text);
-  if (r.e_max_met) return;
-  const Vector3& p = r.worst_place;
-  r.notes.push_back("the tolerance of " + percent(e_max) + " is not met: the distance is " +
-                    percent(r.hausdorff) + " at (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) +
-                    ", " + std::to_string(p.z()) + ")");
+  if (!r.e_max_met)
+    r.notes.push_back("the tolerance of " + percent(e_max) + " is not met: the distance is " +
+                      percent(r.hausdorff) + " at " + text_of(r.worst_place));
+}
+
+void report_normals(Decomposition& d) {
+  Report& r = d.report;
+  const NormalReport& normals = d.certificate.normals;
+  r.normal_mean = normals.mean;
+  r.normal_deviation = normals.quantile;
+  r.normal_worst_place = normals.worst_place;
+  r.normal_deviation_met = !d.params.normal_deviation || normals.quantile <= *d.params.normal_deviation;
+  if (r.normal_deviation_met) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the normal deviation of %g degrees is not met: 95 %% of the area keep to %.1f degrees; the "
+                "worst part deviates by %.1f degrees at ",
+                *d.params.normal_deviation, normals.quantile, normals.worst);
+  r.notes.push_back(text + text_of(normals.worst_place));
 }
 
 // Lengths resolved: scale and e_max as they are in force.
@@ -309,6 +329,8 @@ class Sweep {
     require(field_->per_face.empty() ? field_->per_vertex.size() == input_.soup.points.size()
                                      : field_->per_face.size() == input_.soup.faces.size(),
             "field", "one direction for each vertex or face of the mesh");
+    common_.report.notes.push_back("the user's field replaces the computed one: a direction for each " +
+                                   std::string(field_->per_face.empty() ? "vertex" : "face"));
     user_soup_ = input_.soup;
     for (Vector3& p : user_soup_.points) p = half_ ? half_->frame.in(norm_.in(p)) : norm_.in(p);
     user_tree_ = ClosestPointTree(user_soup_.points, user_soup_.faces, context_);
@@ -362,10 +384,9 @@ class Sweep {
                    std::vector<ComponentResult>& best) {
     for (std::size_t k = 0; k < fresh.size(); ++k) {
       for (const auto& [name, s] : fresh[k].seconds) results[k].report.timings[name] += s;
-      const double e_max = results[k].params.e_max;
       if (k >= best.size()) {
         best.push_back(std::move(fresh[k]));
-      } else if (rank(fresh[k], e_max) < rank(best[k], e_max)) {
+      } else if (rank(fresh[k]) < rank(best[k])) {
         best[k] = std::move(fresh[k]);
       }
     }
@@ -386,6 +407,7 @@ class Sweep {
       return;
     }
     fill_report(d, norm_, d.params.e_max);
+    report_normals(d);
     if (d.certificate.strict()) return;
     const Defect& defect = d.certificate.defects.front();
     throw Error(ErrorCode::kInternal,
@@ -429,9 +451,8 @@ void validate(const DecomposeParams& params) {
   if (params.target_size)
     require(*params.target_size > 0 && std::isfinite(*params.target_size), "target_size", "above 0");
   if (params.normal_deviation)
-    refuse("the normal-deviation criterion is not available yet", "normal_deviation", "leave it out");
-  if (params.morph != MorphKind::kReduced)
-    refuse("the full morph is not available yet", "morph", "use reduced");
+    require(*params.normal_deviation > 0 && *params.normal_deviation <= 90, "normal_deviation",
+            "above 0 and at most 90 degrees, or off");
 }
 
 Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,

@@ -9,6 +9,7 @@
 #include "sheetform/base/run_context.h"
 #include "sheetform/mesh/mesh_audit.h"
 #include "sheetform/mesh/surface_mesh.h"
+#include "sheetform/morph/morph.h"
 #include "sheetform/strip/certificate.h"
 #include "sheetform/strip/strip_mesh.h"
 #include "sheetform/symmetric.h"
@@ -17,7 +18,6 @@ namespace sheetform {
 
 enum class Effort { kDraft, kNormal, kThorough };
 enum class SymmetryMode { kOff, kAuto, kPlane };
-enum class MorphKind { kReduced, kFull };
 
 /// Every parameter of a decomposition. Defaults are held to proto/schemas/parameters.schema.json by a test.
 struct DecomposeParams {
@@ -56,9 +56,13 @@ struct Report {
   double hausdorff = 0, mean_distance = 0, cut_length = 0, border_length = 0;
   bool e_max_met = false;
   double isometry_error = 0;
-  Vector3 worst_place = Vector3::Zero();  ///< units of the mesh
-  std::map<std::string, double> timings;  ///< seconds by stage name
-  std::vector<std::string> notes;         ///< for people: repairs, unmet tolerance and where, fallbacks used
+  Vector3 worst_place = Vector3::Zero();         ///< units of the mesh
+  double normal_mean = 0;                        ///< degrees between the normals of input and sheets
+  double normal_deviation = 0;                   ///< degrees; 95 % of the area keep to it
+  bool normal_deviation_met = true;              ///< also true where no limit was asked for
+  Vector3 normal_worst_place = Vector3::Zero();  ///< units of the mesh
+  std::map<std::string, double> timings;         ///< seconds by stage name
+  std::vector<std::string> notes;  ///< for people: repairs, unmet tolerance and where, fallbacks used
 };
 
 struct Decomposition {

@@ -43,7 +43,7 @@ int decompose_command(const ParsedLine& line) {
   const std::string path = line.operands[0];
   ProgressDisplay display(stderr, ::isatty(STDERR_FILENO) == 1, line.has("--quiet"));
   RunContext context = context_for(line, display);
-  const std::string bytes = read_input_file(path, kLargestFile);
+  const std::string bytes = read_run_input(line);
   const Outcome outcome =
       run_decomposition(bytes, std::filesystem::path(path).filename().string(), parameters, context);
   write_files(folder, outcome.files);

@@ -4,6 +4,8 @@
 #include <csignal>
 #include <thread>
 
+#include "server/base/file_output.h"
+#include "server/base/input_bundle.h"
 #include "sheetform/base/error.h"
 
 namespace sheetform::server {
@@ -56,7 +58,10 @@ std::vector<OptionSpec> run_options() {
       {"--output", "DIR", "Folder of the result; made when it is not there. Required.", "-o"}};
   for (const api::ParameterDefinition& d : api::parameter_definitions())
     options.push_back({d.flag(), value_name(d), option_text(d), ""});
-  options.push_back({"--field", "FILE", "A cross field to follow instead of the computed one.", ""});
+  options.push_back({"--field", "FILE",
+                     "A cross field to follow instead of the computed one: one direction for each "
+                     "triangle or vertex, as .rosy or JSON.",
+                     ""});
   options.push_back(
       {"--threads", "N", "Threads to use; the result does not depend on it. Default: one a core.", ""});
   options.push_back({"--quiet", "", "No progress.", "-q"});
@@ -67,10 +72,6 @@ api::Json given_parameters(const ParsedLine& line) {
   if (line.has("--scale") && line.has("--target-size"))
     throw Error(ErrorCode::kInvalidParameter, "both --scale and --target-size are given", "--target-size",
                 "give one of them");
-  if (line.has("--field"))
-    throw Error(ErrorCode::kInvalidParameter,
-                "a direction field from a file is not supported by this version", "--field",
-                "leave it out; the field is then computed from the mesh");
   api::Json values = api::Json::object();
   for (const api::ParameterDefinition& d : api::parameter_definitions()) {
     if (!line.has(d.flag())) continue;
@@ -81,6 +82,16 @@ api::Json given_parameters(const ParsedLine& line) {
     }
   }
   return values;
+}
+
+std::string read_run_input(const ParsedLine& line) {
+  std::string bytes = read_input_file(line.operands[0], kLargestFile);
+  if (!line.has("--field")) return bytes;
+  const std::string field = read_input_file(line.get("--field"), kFieldFileBytes);
+  if (field.empty())
+    throw Error(ErrorCode::kInvalidParameter, "the field is empty", "--field",
+                "give one direction for each triangle or vertex, or leave the option out");
+  return bytes + after_mesh(bytes.size(), field);
 }
 
 std::string output_folder(const ParsedLine& line) {

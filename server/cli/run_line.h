@@ -18,6 +18,10 @@ std::vector<OptionSpec> run_options();
 /// option).
 api::Json given_parameters(const ParsedLine& line);
 
+/// The mesh named on the line, with the file of --field behind it where there is one (base/input_bundle.h).
+/// Throws Error (where: the file or the option).
+std::string read_run_input(const ParsedLine& line);
+
 /// The folder of -o. Throws Error kInvalidParameter when it is not given.
 std::string output_folder(const ParsedLine& line);
 

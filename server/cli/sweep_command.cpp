@@ -78,7 +78,7 @@ int sweep_command(const ParsedLine& line) {
   const api::Json parameters = understood_parameters(given_parameters(others));
   ProgressDisplay display(stderr, ::isatty(STDERR_FILENO) == 1, line.has("--quiet"));
   RunContext context = context_for(line, display);
-  const std::string bytes = read_input_file(path, kLargestFile);
+  const std::string bytes = read_run_input(line);
   const SweepOutcome outcome =
       run_sweep(bytes, std::filesystem::path(path).filename().string(), parameters, e_max, context);
   write_files(folder, outcome.files);

@@ -5,6 +5,7 @@
 
 #include "server/base/digest.h"
 #include "server/base/identity.h"
+#include "server/base/input_bundle.h"
 #include "server/http/api_parts.h"
 #include "server/http/download.h"
 #include "server/http/zip_writer.h"
@@ -124,9 +125,12 @@ Answer get_input(Exchange& x, const ApiParts& parts) {
   const std::int64_t bytes = parts.service.store().input_bytes(job.input);
   if (!file->valid() || bytes < 0)
     throw Refusal(ProblemType::kNoSuchOutput, "the uploaded mesh is not kept any more");
+  const auto whole = static_cast<std::uint64_t>(bytes);
+  const std::string tail =
+      read_at(file->get(), whole - std::min<std::uint64_t>(whole, kTailBytes), kTailBytes);
   return send_download(
       x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream", job.input,
-          static_cast<std::uint64_t>(bytes), job.created / kSecond,
+          mesh_bytes_of(whole, tail), job.created / kSecond,
           [file](std::uint64_t offset, std::uint64_t most) { return read_at(file->get(), offset, most); },
           false});
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 
+#include "server/base/input_bundle.h"
 #include "server/http/multipart.h"
 #include "server/mapping/errors.h"
 #include "server/mapping/wire_parameters.h"
@@ -122,8 +123,8 @@ class Form {
 
   void begin(const PartHead& part) {
     part_ = part;
-    field_.clear();
-    if (part.is_file && part.name != "mesh" && part.name != "request")
+    text_.clear();
+    if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "request")
       refuse_body("the part " + part.name.substr(0, 60) + " holds a file", part.name.substr(0, 60),
                   "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl");
     if (part.name != "mesh") return;
@@ -133,26 +134,33 @@ class Form {
   }
   void data(std::string_view bytes) {
     if (part_.name == "mesh") return upload_->add(bytes);
-    field_.append(bytes);
-    if (field_.size() > kFieldBytes)
-      refuse_body("a field of the form is too large", part_.name.substr(0, 60));
+    text_.append(bytes);
+    if (text_.size() > (part_.name == "field" ? kFieldFileBytes : kFieldBytes))
+      refuse_body("a part of the form is too large", part_.name.substr(0, 60));
   }
   void end() {
     if (part_.name == "mesh") return;
     if (part_.name == "request") return take_request();
-    if (field_.empty()) return;  // an empty field of a form is a field left alone
-    details_.take_text(part_.name, field_);
+    if (text_.empty()) return;  // an empty field of a form is a field left alone
+    if (part_.name == "field") return take_directions();
+    details_.take_text(part_.name, text_);
   }
   std::unique_ptr<Upload> take() {
     if (!upload_) refuse_body("the form has no part mesh", "mesh");
+    upload_->add(after_mesh(upload_->bytes(), directions_));
     return std::move(upload_);
   }
 
  private:
+  // The cross field: it follows the mesh in what is stored.
+  void take_directions() {
+    if (!directions_.empty()) refuse_body("there is more than one part field", "field");
+    directions_ = std::move(text_);
+  }
   void take_request() {
     api::Json value;
     std::string why;
-    if (!api::parse_json(field_, value, why) || !value.is_object())
+    if (!api::parse_json(text_, value, why) || !value.is_object())
       refuse_body("the part request " + why, "request");
     // Either the parameters themselves or an OGC request without the mesh.
     if (value.contains("tag") && value["tag"].is_string()) details_.take_tag(value["tag"]);
@@ -165,7 +173,7 @@ class Form {
   JobService& service_;
   Details& details_;
   PartHead part_;
-  std::string field_;
+  std::string text_, directions_;
   std::unique_ptr<Upload> upload_;
 };
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 
+#include "server/base/input_bundle.h"
+#include "server/mapping/field_file.h"
 #include "server/mapping/parameters.h"
 #include "sheetform/blueprint/result_writer.h"
 #include "sheetform/decompose.h"
@@ -19,6 +22,11 @@ MeshFile read_nonempty_mesh(std::string_view bytes, const std::string& name) {
     throw Error(ErrorCode::kUnsupportedMesh, "the mesh has no faces", {},
                 "export the surface as triangles or polygons");
   return file;
+}
+
+std::optional<UserField> field_of(const InputBundle& input, const TriangleSoup& soup) {
+  if (input.field.empty()) return std::nullopt;
+  return read_field(input.field, soup.points.size(), soup.faces.size());
 }
 
 double millimetres_per_unit(const DecomposeParams& params, const Vector3& size) {
@@ -39,6 +47,10 @@ api::Json report_of(const Decomposition& d) {
           {"e_max_met", r.e_max_met},
           {"isometry_error", r.isometry_error},
           {"worst_place", place_of(r.worst_place)},
+          {"normal_mean_deg", r.normal_mean},
+          {"normal_p95_deg", r.normal_deviation},
+          {"normal_deviation_met", r.normal_deviation_met},
+          {"normal_worst_place", place_of(r.normal_worst_place)},
           {"timings", r.timings},
           {"notes", r.notes}};
 }
@@ -59,14 +71,22 @@ std::vector<OutputFile> files_of(const Decomposition& d) {
   return files;
 }
 
-InputMesh input_of(std::string_view bytes, const std::string& name, const DecomposeParams& params,
-                   RunContext& context, std::vector<std::string>& notes) {
+struct ReadInput {
+  InputMesh mesh;
+  std::optional<UserField> field;
+  std::vector<std::string> notes;
+  const UserField* field_or_null() const { return field ? &*field : nullptr; }
+};
+
+ReadInput input_of(std::string_view bytes, const std::string& name, const DecomposeParams& params,
+                   RunContext& context) {
   context.seed = params.seed;
   context.report(Stage::kRead, 0);
-  MeshFile file = read_nonempty_mesh(bytes, name);
+  const InputBundle bundle = split_bundle(bytes);
+  MeshFile file = read_nonempty_mesh(bundle.mesh, name);
+  std::optional<UserField> field = field_of(bundle, file.soup);
   context.report(Stage::kRead, 1);
-  notes = std::move(file.notes);
-  return {std::move(file.soup), file.format, name};
+  return {{std::move(file.soup), file.format, name}, std::move(field), std::move(file.notes)};
 }
 
 Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes) {
@@ -112,7 +132,9 @@ std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
 }  // namespace
 
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters) {
-  const MeshFile file = read_nonempty_mesh(bytes, name);
+  const InputBundle input = split_bundle(bytes);
+  const MeshFile file = read_nonempty_mesh(input.mesh, name);
+  (void)field_of(input, file.soup);
   Vector3 low = file.soup.points.front(), high = low;
   for (const Vector3& p : file.soup.points) {
     low = low.cwiseMin(p);
@@ -120,7 +142,7 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
   }
   api::MeshInfo info;
   info.name = name;
-  info.bytes = static_cast<std::int64_t>(bytes.size());
+  info.bytes = static_cast<std::int64_t>(input.mesh.size());
   info.format = file.format;
   info.vertices = static_cast<std::int64_t>(file.soup.points.size());
   info.faces = static_cast<std::int64_t>(file.soup.faces.size());
@@ -135,11 +157,10 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
 Outcome run_decomposition(std::string_view bytes, const std::string& name, const api::Json& parameters,
                           RunContext& context) {
   const DecomposeParams params = to_core(parameters);
-  std::vector<std::string> notes;
-  const InputMesh input = input_of(bytes, name, params, context, notes);
-  const Decomposition result = decompose(input, params, nullptr, context);
+  const ReadInput input = input_of(bytes, name, params, context);
+  const Decomposition result = decompose(input.mesh, params, input.field_or_null(), context);
   context.report(Stage::kWrite, 0);
-  Outcome outcome = outcome_of(result, notes);
+  Outcome outcome = outcome_of(result, input.notes);
   context.report(Stage::kWrite, 1);
   return outcome;
 }
@@ -147,13 +168,12 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
 SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
                        const std::vector<double>& e_max, RunContext& context) {
   const DecomposeParams params = to_core(parameters);
-  std::vector<std::string> notes;
-  const InputMesh input = input_of(bytes, name, params, context, notes);
+  const ReadInput input = input_of(bytes, name, params, context);
   SweepOutcome sweep_outcome;
-  const std::vector<Decomposition> results = sweep(input, params, e_max, nullptr, context);
+  const std::vector<Decomposition> results = sweep(input.mesh, params, e_max, input.field_or_null(), context);
   context.report(Stage::kWrite, 0);
   for (const Decomposition& d : results)
-    sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, notes)});
+    sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, input.notes)});
   sweep_outcome.files = curve_of(sweep_outcome.steps);
   context.report(Stage::kWrite, 1);
   return sweep_outcome;

@@ -17,8 +17,10 @@ struct Outcome {
   std::vector<std::string> notes;  ///< for people
 };
 
-/// Reads the mesh and says what it is. sha256 stays empty. parameters: complete. Throws Error as read_mesh
-/// does, and kUnsupportedMesh for a mesh without faces.
+/// Both take an input as it is stored (server/base/input_bundle.h): a mesh, and the field given with it.
+///
+/// Reads the mesh and says what it is; reads the field too. sha256 stays empty. parameters: complete. Throws
+/// Error as read_mesh does, and kUnsupportedMesh for a mesh without faces.
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters);
 
 /// Reads, decomposes, writes. parameters: complete (understood_parameters). Throws Error.

@@ -1,8 +1,10 @@
 // The paper's full morph beside the reduced one, on layouts that the search finds for mesh files.
 //   bench_morph [--e-max 0.02] [--spacing 0.03] [--patches] mesh...
 // Per mesh one line for each morph: unknowns, seconds, the largest displacement of a point on a ruling
-// (fraction of the bounding box' diagonal), and the largest distance between the strips over the moved
-// outlines and the surface. Then how the displacements per patch compare. --patches lists them.
+// (fraction of the bounding box' diagonal), the largest distance between the strips over the moved outlines
+// and the surface, and how smooth the outlines are: the mean turn between two pieces of an arch, in degrees
+// (first of all that of the arches on the surface). Then how the displacements per patch compare. --patches
+// lists them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -77,12 +79,14 @@ class Comparison {
       reduced_seconds =
           std::min(reduced_seconds, seconds_of([&] { reduced = evaluator.solve(layout_, patches, 0); }));
     const auto reduced_step = displacements(reduced);
-    std::printf("%s: %d faces, %zu patches\n", name.c_str(), surface_.mesh.face_count(), patches.size());
+    std::printf("%s: %d faces, %zu patches, turn on the surface %.2f\n", name.c_str(),
+                surface_.mesh.face_count(), patches.size(),
+                mean_turn([&](std::size_t a) { return rest(a); }));
     std::printf(
         "  %-22s %7zu unknowns                    %.4f s (distances included)  displacement %.4f  distance "
-        "%.4f\n",
-        "reduced", reduced.position.size(), reduced_seconds, largest(reduced_step),
-        reduced_distance(reduced));
+        "%.4f  turn %.2f\n",
+        "reduced", reduced.position.size(), reduced_seconds, largest(reduced_step), reduced_distance(reduced),
+        mean_turn([&](std::size_t a) { return moved(reduced, a); }));
     const FullMorphProblem problem = full_problem(patches);
     for (const auto& [label, weights] :
          {std::pair{"full, paper's weights", FullMorphWeights{}},
@@ -167,12 +171,38 @@ class Comparison {
     const FullMorphFigures& f = full.figures;
     std::printf(
         "  %-22s %7d unknowns %8lld nonzeros  %.4f s (cut %.3f rows %.3f factor %.3f solve %.3f)"
-        "  displacement %.4f  distance %.4f  gap %.4f  bow %.4f  %zu rulings, %d dropped\n",
+        "  displacement %.4f  distance %.4f  turn %.2f  gap %.4f  bow %.4f  %zu rulings, %d dropped\n",
         label, f.unknowns, f.nonzeros,
         problem.build_seconds + f.assemble_seconds + f.factor_seconds + f.solve_seconds,
         problem.build_seconds, f.assemble_seconds, f.factor_seconds, f.solve_seconds,
-        largest(full.ruling_displacement), full_distance(full, reduced), full.gap, full.bow,
+        largest(full.ruling_displacement), full_distance(full, reduced),
+        mean_turn([&](std::size_t a) { return full.arch_points[a]; }), full.gap, full.bow,
         problem.mesh.rulings.size(), problem.dropped);
+  }
+
+  std::vector<Vector3> rest(std::size_t arch) const {
+    std::vector<Vector3> points;
+    for (double at : sample_arch(surface_.mesh, layout_.arches[arch], params_.spacing))
+      points.push_back(arch_point(surface_.mesh, layout_.arches[arch], at));
+    return points;
+  }
+  static std::vector<Vector3> moved(const LayoutEvaluation& e, std::size_t arch) {
+    std::vector<Vector3> points;
+    for (int u : e.arch_unknowns[arch]) points.push_back(e.position[u]);
+    return points;
+  }
+  // Degrees between consecutive pieces, over all arches.
+  double mean_turn(const std::function<std::vector<Vector3>(std::size_t)>& points_of) const {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t a = 0; a < layout_.arches.size(); ++a) {
+      const std::vector<Vector3> p = points_of(a);
+      for (std::size_t i = 1; i + 1 < p.size(); ++i, ++count) {
+        const Vector3 in = p[i] - p[i - 1], out = p[i + 1] - p[i];
+        sum += std::atan2(in.cross(out).norm(), in.dot(out));
+      }
+    }
+    return count > 0 ? sum / count * 180 / 3.14159265358979323846 : 0;
   }
 
   static double largest(const std::vector<double>& x) {

@@ -35,24 +35,26 @@ TEST_P(RefusedParameters, AreNamed) {
       EXPECT_FALSE(e.fix().empty());
     }
 }
-INSTANTIATE_TEST_SUITE_P(All, RefusedParameters,
-                         ::testing::Values(Refused{"e_max", [](auto& p) { p.e_max = 0; }},
-                                           Refused{"e_max", [](auto& p) { p.e_max = -0.1; }},
-                                           Refused{"e_max", [](auto& p) { p.e_max = 0.6; }},
-                                           Refused{"e_max", [](auto& p) { p.e_max = kNaN; }},
-                                           Refused{"e_max_mm", [](auto& p) { p.e_max_mm = 0; }},
-                                           Refused{"e_max_mm", [](auto& p) { p.e_max_mm = kInf; }},
-                                           Refused{"e_max_mm", [](auto& p) { p.e_max_mm = kNaN; }},
-                                           Refused{"max_sides", [](auto& p) { p.max_sides = 2; }},
-                                           Refused{"max_sides", [](auto& p) { p.max_sides = 7; }},
-                                           Refused{"creases", [](auto& p) { p.crease_angle = 0; }},
-                                           Refused{"creases", [](auto& p) { p.crease_angle = 180; }},
-                                           Refused{"creases", [](auto& p) { p.crease_angle = kNaN; }},
-                                           Refused{"scale", [](auto& p) { p.scale = 0; }},
-                                           Refused{"scale", [](auto& p) { p.scale = -1; }},
-                                           Refused{"scale", [](auto& p) { p.scale = kNaN; }},
-                                           Refused{"target_size", [](auto& p) { p.target_size = 0; }},
-                                           Refused{"target_size", [](auto& p) { p.target_size = kInf; }}));
+INSTANTIATE_TEST_SUITE_P(
+    All, RefusedParameters,
+    ::testing::Values(
+        Refused{"e_max", [](auto& p) { p.e_max = 0; }}, Refused{"e_max", [](auto& p) { p.e_max = -0.1; }},
+        Refused{"e_max", [](auto& p) { p.e_max = 0.6; }}, Refused{"e_max", [](auto& p) { p.e_max = kNaN; }},
+        Refused{"e_max_mm", [](auto& p) { p.e_max_mm = 0; }},
+        Refused{"e_max_mm", [](auto& p) { p.e_max_mm = kInf; }},
+        Refused{"e_max_mm", [](auto& p) { p.e_max_mm = kNaN; }},
+        Refused{"max_sides", [](auto& p) { p.max_sides = 2; }},
+        Refused{"max_sides", [](auto& p) { p.max_sides = 7; }},
+        Refused{"creases", [](auto& p) { p.crease_angle = 0; }},
+        Refused{"creases", [](auto& p) { p.crease_angle = 180; }},
+        Refused{"creases", [](auto& p) { p.crease_angle = kNaN; }},
+        Refused{"normal_deviation", [](auto& p) { p.normal_deviation = 0; }},
+        Refused{"normal_deviation", [](auto& p) { p.normal_deviation = 91; }},
+        Refused{"normal_deviation", [](auto& p) { p.normal_deviation = kNaN; }},
+        Refused{"scale", [](auto& p) { p.scale = 0; }}, Refused{"scale", [](auto& p) { p.scale = -1; }},
+        Refused{"scale", [](auto& p) { p.scale = kNaN; }},
+        Refused{"target_size", [](auto& p) { p.target_size = 0; }},
+        Refused{"target_size", [](auto& p) { p.target_size = kInf; }}));
 
 TEST(Parameters, ToleranceInMillimetresBeyondHalfOfTheDiagonalIsRefused) {
   DecomposeParams params;

@@ -155,6 +155,10 @@ Json report_of(const Decomposition& d) {
           {"input_to_result", d.certificate.distance.input_to_result / unit},
           {"result_to_input", d.certificate.distance.result_to_input / unit},
           {"worst_place", triple(d.report.worst_place)},
+          {"normal_mean_deg", d.report.normal_mean},
+          {"normal_p95_deg", d.report.normal_deviation},
+          {"normal_deviation_met", d.report.normal_deviation_met},
+          {"normal_worst_place", triple(d.report.normal_worst_place)},
           {"strict", d.certificate.strict()},
           {"defects", std::move(defects)},
           {"notes", d.report.notes},
@@ -185,6 +189,8 @@ Json patch_of(const Decomposition& d, int id, const std::string& label) {
   const std::vector<double>& errors = d.certificate.distance.patch_error;
   if (static_cast<std::size_t>(id) < errors.size() && d.bbox_diagonal > 0)
     out["error"] = errors[id] / d.bbox_diagonal;
+  const std::vector<double>& tilt = d.certificate.normals.patch_quantile;
+  if (static_cast<std::size_t>(id) < tilt.size()) out["normal_p95_deg"] = tilt[id];
   return out;
 }
 

@@ -12,6 +12,9 @@
 
 namespace sheetform {
 
+/// Which morph gives the shape: this one, or the paper's own (full_morph.h).
+enum class MorphKind { kReduced, kFull };
+
 /// A point of a ruled patch and the surface point that it stands for.
 struct MorphSample {
   std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "sheetform/base/error.h"
+#include "sheetform/ruling/follow_crosses.h"
 #include "sheetform/search/finish.h"
+#include "sheetform/search/full_shape.h"
+#include "sheetform/search/patch_tilt.h"
 #include "sheetform/strip/certificate.h"
 
 namespace sheetform {
@@ -42,11 +46,14 @@ class Laps {
 
 // The layout as strips, and what is still wrong with it.
 struct Attempt {
+  FinishedLayout finished;
+  double spacing = 0;
   StripMesh strips;
   std::vector<int> invalid;   // patches that break a strict promise
   std::vector<int> too_far;   // valid patches beyond the tolerance
   std::vector<FarPlace> far;  // what the next morph should know
   double distance = 0;
+  double miss = 0;  // of ComponentResult
   bool good() const { return invalid.empty() && too_far.empty(); }
 };
 
@@ -63,9 +70,9 @@ class ComponentRun {
     const SurfaceMesh& mesh = input_.prepared.mesh;
     const auto& crease = input_.prepared.crease_edge;
     context_.report(Stage::kField, 0);
-    const CurvatureField curvature = principal_curvature(mesh, crease, {}, context_);
+    curvature_ = principal_curvature(mesh, crease, {}, context_);
     const CrossField field =
-        cross_field(mesh, crease, curvature, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+        cross_field(mesh, crease, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     laps_.lap(Stage::kField);
     context_.report(Stage::kTrace, 0);
     const TracingGraph graph = tracing_graph(mesh, crease, field, {}, context_);
@@ -73,7 +80,7 @@ class ComponentRun {
     trace.seeds = params_.seeds;
     std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
     laps_.lap(Stage::kTrace);
-    set_up_surface(curvature);
+    set_up_surface();
     const PathNetwork start = start_network();
     std::vector<std::unique_ptr<LayoutSearch>> searches;
     searches.push_back(std::make_unique<LayoutSearch>(surface_, start, graph, std::move(candidates),
@@ -85,21 +92,32 @@ class ComponentRun {
         searches.push_back(std::make_unique<LayoutSearch>(*searches.back(), start, search_params()));
       ComponentResult result = solve(*searches.back());
       if (!results.empty() && result.strips.patches.size() > results.back().strips.patches.size())
-        result.strips = results.back().strips, result.distance = results.back().distance;
+        result = as_coarser(results.back(), e_max, std::move(result));
       results.push_back(std::move(result));
     }
     return results;
   }
 
  private:
-  void set_up_surface(const CurvatureField& curvature) {
+  void set_up_surface() {
     surface_.mesh = input_.prepared.mesh;
     surface_.versions.assign(surface_.mesh.points.size(), 0);
-    surface_.guide = surface_guide(surface_.mesh, curvature);
+    surface_.guide = surface_guide(surface_.mesh, curvature_);
+    if (!input_.guide.empty()) follow_crosses(surface_.mesh, input_.guide, surface_.guide);
+    surface_.curvature = &curvature_;
     surface_.input = &tree_;
     surface_.details = find_details();
     surface_.elimination_rank = elimination_rank(surface_.mesh);
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
+  }
+
+  // The strips of a finer tolerance where those of a coarser one are no fewer.
+  static ComponentResult as_coarser(const ComponentResult& finer, double e_max, ComponentResult own) {
+    own.strips = finer.strips;
+    own.distance = finer.distance;
+    own.miss = finer.distance / e_max;
+    own.notes = finer.notes;
+    return own;
   }
 
   PathNetwork start_network() const {
@@ -113,6 +131,7 @@ class ComponentRun {
     SearchParams search;
     search.evaluation = params_.evaluation;
     search.evaluation.e_max *= params_.margin;
+    search.evaluation.normal_deviation *= params_.margin;
     return search;
   }
 
@@ -176,8 +195,8 @@ class ComponentRun {
       if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
-        if (!have_best || attempt.distance < best)
-          result_.strips = attempt.strips, result_.distance = best = attempt.distance;
+        if (!have_best || attempt.miss < best) take(attempt, search.layout());
+        best = have_best ? std::min(best, attempt.miss) : attempt.miss;
         have_best = true;
         if (attempt.too_far.empty() || round >= 30) return;
         search.reject(attempt.too_far);
@@ -204,6 +223,7 @@ class ComponentRun {
   Attempt build(LayoutSearch& search, double spacing) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
+    fine.normal_deviation *= params_.margin;
     fine.spacing = spacing;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
     Attempt best;
@@ -211,6 +231,7 @@ class ComponentRun {
       const FinishedLayout finished = pass.solve(10);
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
+      attempt.spacing = spacing;
       if (attempt.good()) return attempt;
       const bool better = step == 0 || rank(attempt) < rank(best);
       stale = better ? 0 : stale + 1;
@@ -226,30 +247,109 @@ class ComponentRun {
   }
 
   static std::tuple<std::size_t, std::size_t, double> rank(const Attempt& a) {
-    return {a.invalid.size(), a.too_far.size(), a.distance};
+    return {a.invalid.size(), a.too_far.size(), a.miss};
   }
 
   Attempt measured(const FinishedLayout& finished, int samples) {
     Attempt attempt;
-    attempt.invalid = finished.failing;
+    attempt.finished = finished;
+    attempt.invalid = attempt.finished.failing;
     if (!attempt.invalid.empty()) return attempt;
-    attempt.strips = assemble_strips(finished.source);
+    attempt.strips = assemble_strips(attempt.finished.source);
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
       if (!check_patch(attempt.strips, p, 1.0).empty()) attempt.invalid.push_back(p);
     if (!attempt.invalid.empty()) return attempt;
     DistanceReport d = measure_distance(input_.reference, tree_, attempt.strips, samples, context_,
                                         params_.margin * params_.evaluation.e_max);
     attempt.distance = d.hausdorff();
+    attempt.miss = attempt.distance / params_.evaluation.e_max;
     attempt.far = std::move(d.far);
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
       if (d.patch_error[p] > kMeasured * params_.evaluation.e_max) attempt.too_far.push_back(p);
+    measure_tilt(attempt, samples);
     return attempt;
+  }
+
+  // Takes the normal deviation into the attempt; while it is not met, all larger patches that exceed it are
+  // too far.
+  void measure_tilt(Attempt& attempt, int samples) const {
+    const double limit = params_.evaluation.normal_deviation * params_.margin;
+    if (limit <= 0) return;
+    const TriangleSoup& input = input_.reference;
+    const NormalReport normals =
+        measure_normals(input.points, input.faces, attempt.strips, samples, context_);
+    attempt.miss = std::max(attempt.miss, normals.quantile / limit);
+    if (normals.quantile <= limit) return;
+    std::vector<double> area;
+    for (const StripMesh::Patch& p : attempt.strips.patches) area.push_back(area_of(attempt.strips, p));
+    const double least = kLeastTiltedShare * std::accumulate(area.begin(), area.end(), 0.0);
+    for (std::size_t p = 0; p < area.size(); ++p)
+      if (area[p] > least && normals.patch_quantile[p] > limit)
+        attempt.too_far.push_back(static_cast<int>(p));
+    std::sort(attempt.too_far.begin(), attempt.too_far.end());
+    attempt.too_far.erase(std::unique(attempt.too_far.begin(), attempt.too_far.end()), attempt.too_far.end());
+  }
+
+  static double area_of(const StripMesh& strips, const StripMesh::Patch& patch) {
+    double twice = 0;
+    for (const StripMesh::Triangle& t : patch.triangles)
+      twice += (strips.points[t.v[1]] - strips.points[t.v[0]])
+                   .cross(strips.points[t.v[2]] - strips.points[t.v[0]])
+                   .norm();
+    return twice / 2;
+  }
+
+  void take(const Attempt& attempt, const PatchLayout& layout) {
+    result_.strips = attempt.strips, result_.distance = attempt.distance, result_.miss = attempt.miss;
+    result_.notes.clear();
+    if (params_.morph == MorphKind::kFull) take_full_morph(attempt, layout);
+  }
+
+  // The paper's morph instead of the reduced one; not for patches that it would spoil, which are found by
+  // trying. Each try leaves more patches as they are, so the tries end.
+  void take_full_morph(const Attempt& reduced, const PatchLayout& layout) {
+    const auto n = static_cast<std::ptrdiff_t>(layout.patches.size());
+    std::vector<char> keep(layout.patches.size(), 0);
+    std::ptrdiff_t kept = 0;
+    while (kept < n) {
+      FinishedLayout moved = reduced.finished;
+      moved.source.points =
+          full_morph_places(surface_, layout, moved.evaluation, reduced.spacing, keep, context_);
+      Attempt full = measured(moved, kSamples);
+      const std::vector<char> spoilt = spoilt_patches(full, reduced);
+      if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {
+        result_.strips = std::move(full.strips), result_.distance = full.distance, result_.miss = full.miss;
+        break;
+      }
+      for (std::size_t p = 0; p < keep.size(); ++p) keep[p] |= spoilt[p];
+      const std::ptrdiff_t now = std::count(keep.begin(), keep.end(), 1);
+      kept = now > kept ? now : n;  // what stays as it was is spoilt by its neighbours
+    }
+    if (kept == 0) return;
+    result_.notes.push_back("the full morph shapes " + std::to_string(n - kept) + " of " + std::to_string(n) +
+                            " parts; the others have the shape of the reduced morph, because the full one "
+                            "breaks the tolerance or the flat layout there");
+  }
+
+  // Per patch: it breaks a promise in one attempt and not in the other.
+  std::vector<char> spoilt_patches(const Attempt& now, const Attempt& before) const {
+    std::vector<char> spoilt(now.strips.patches.size(), 0);
+    for (int p : now.invalid) spoilt[p] = 1;
+    for (int p : now.too_far)
+      if (!std::binary_search(before.too_far.begin(), before.too_far.end(), p)) spoilt[p] = 1;
+    if (!now.invalid.empty()) return spoilt;
+    for (const Defect& d : check_structure(now.strips, nullptr, params_.evaluation.max_sides, 1.0)) {
+      if (d.patch < 0) return std::vector<char>(spoilt.size(), 1);
+      spoilt[d.patch] = 1;
+    }
+    return spoilt;
   }
 
   const ComponentInput& input_;
   ComponentParams params_;
   RunContext& context_;
   ClosestPointTree tree_;
+  CurvatureField curvature_;
   SearchSurface surface_;
   ComponentResult result_;
   Laps laps_;

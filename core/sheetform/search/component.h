@@ -19,17 +19,19 @@ struct ComponentInput {
 };
 
 struct ComponentParams {
-  EvaluationParams evaluation;  ///< e_max is the promised tolerance here
-  int seeds = 200;              ///< interior seeds of candidate paths
-  int improvements = 20;        ///< tries of the local search
-  double fine_spacing = 0.015;  ///< outline samples of the result
-  double margin = 0.95;         ///< the search aims at this share of e_max
+  EvaluationParams evaluation;            ///< e_max is the promised tolerance here
+  int seeds = 200;                        ///< interior seeds of candidate paths
+  int improvements = 20;                  ///< tries of the local search
+  double fine_spacing = 0.015;            ///< outline samples of the result
+  double margin = 0.95;                   ///< the search aims at this share of e_max
+  MorphKind morph = MorphKind::kReduced;  ///< gives the last positions; the search takes the reduced one
   std::uint64_t seed = 0;
 };
 
 struct ComponentResult {
   StripMesh strips;
-  double distance = 0;                    ///< two-sided, as measured
+  double distance = 0;  ///< two-sided, as measured
+  double miss = 0;      ///< the distance over e_max, or the normal deviation over its limit; above 1: not met
   std::vector<std::string> notes;         ///< for people
   std::map<std::string, double> seconds;  ///< by stage
 };

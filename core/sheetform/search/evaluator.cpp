@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "sheetform/search/patch_tilt.h"
 #include "sheetform/search/plane_join.h"
 #include "sheetform/strip/unfold.h"
 
@@ -468,6 +469,12 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
       patch_error(e->samples, e->rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, &worst);
   if (worst != nullptr)
     for (int k = 0; k < 3; ++k) e->worst += worst->coefficient[k] * e->polygon.uv[worst->unknown[k]];
+  if (params_.normal_deviation > 0 && patch.area > kLeastTiltedShare * surface_area(surface_.mesh)) {
+    // A tilt counts as the share of e_max that it is of its own limit: both are cured across the rulings.
+    const PatchTilt tilt = patch_tilt(surface_, patch, *chart, e->polygon, e->rulings.triangles, position);
+    const double as_error = params_.e_max * tilt.angle / params_.normal_deviation;
+    if (as_error > e->error) e->error = as_error, e->worst = tilt.place;
+  }
   if (!simple_outline(unfold(position, e->rulings.triangles), 1e-7))
     return e->verdict = PatchVerdict::kOverlap, e;
   e->verdict = e->error > params_.e_max ? PatchVerdict::kError : PatchVerdict::kViable;

@@ -30,10 +30,11 @@ struct SearchSurface {
   SurfaceMesh mesh;           ///< the working mesh; its points move when paths are smoothed
   std::vector<int> versions;  ///< per vertex, raised when it moves
   SurfaceGuide guide;
-  const ClosestPointTree* input = nullptr;  ///< the untouched input
-  std::vector<DetailPoint> details;         ///< ascending by face
-  std::vector<int> elimination_rank;        ///< see ruling/chart.h; may be empty
-  PlaneBorder plane;                        ///< of a half; empty without symmetry
+  const ClosestPointTree* input = nullptr;    ///< the untouched input
+  std::vector<DetailPoint> details;           ///< ascending by face
+  const CurvatureField* curvature = nullptr;  ///< of `mesh`; only the full morph asks for it
+  std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
+  PlaneBorder plane;                          ///< of a half; empty without symmetry
 
   std::vector<char> straight;  ///< by edge: its arch on the plane is one segment, a ruling of the patch
                                ///< beside it joined to its image; empty = none is

@@ -152,7 +152,7 @@ void FinalPass::draw_to(const std::vector<FarPlace>& far) {
 
 FinishedLayout FinalPass::solve(int rounds) {
   if (!distinct_) make_distinct();
-  const LayoutEvaluation e = evaluator_.solve(layout_, patches_, rounds, drawn_);
+  LayoutEvaluation e = evaluator_.solve(layout_, patches_, rounds, drawn_);
   FinishedLayout out;
   out.source.points = e.position;
   for (int p = 0; p < static_cast<int>(layout_.patches.size()); ++p) {
@@ -168,6 +168,7 @@ FinishedLayout FinalPass::solve(int rounds) {
                                  network_.kinds[arch.path] == PathKind::kCrease,
                                  surface_.on_plane(arch)});
   }
+  out.evaluation = std::move(e);
   return out;
 }
 

@@ -11,8 +11,9 @@
 namespace sheetform {
 
 struct FinishedLayout {
-  StripSource source;        ///< in the units of the search surface
-  std::vector<int> failing;  ///< patches that break a promise: they overlap, or have no valid strips
+  LayoutEvaluation evaluation;  ///< after the last morph
+  StripSource source;           ///< its strips, in the units of the search surface
+  std::vector<int> failing;     ///< patches that break a promise: they overlap, or have no valid strips
 };
 
 /// One layout on its way to the final strips. evaluation.spacing is that of the final mesh.

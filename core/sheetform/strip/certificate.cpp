@@ -74,6 +74,8 @@ Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, cons
     return c;
   const ClosestPointTree tree(input.points, input.faces, context);
   c.distance = measure_distance(input, tree, result, samples, context);
+  c.normals = repaired ? measure_normals(repaired->points, repaired->faces, result, samples, context)
+                       : measure_normals(input.points, input.faces, result, samples, context);
   return c;
 }
 

@@ -40,10 +40,21 @@ struct DistanceReport {
   std::vector<FarPlace> far;  ///< per strip triangle and direction the worst place beyond the limit asked for
 };
 
+/// Angles between the normals of input and result at closest points, in degrees; samples are area-uniform.
+struct NormalReport {
+  static constexpr double kShare = 0.95;  ///< of the area: what the quantiles leave out is the rest
+  double mean = 0;                        ///< mean of the two one-way means
+  double quantile = 0;                    ///< kShare of the area keep to it; the larger of both ways
+  std::vector<double> patch_quantile;     ///< the same of each patch's own samples
+  double worst = 0;                       ///< the largest of patch_quantile
+  Vector3 worst_place = Vector3::Zero();  ///< where it is attained
+};
+
 struct Certificate {
   std::vector<Defect> defects;  ///< empty = all strict checks hold
   double isometry_error = 0;    ///< max | |uv edge| - |edge| | / patch size
   DistanceReport distance;
+  NormalReport normals;
   bool strict() const { return defects.empty(); }
 };
 
@@ -62,7 +73,12 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
                                 const StripMesh& result, int samples, RunContext& context,
                                 double far_limit = std::numeric_limits<double>::infinity());
 
-/// All of it.
+/// Two-sided normal deviation from `samples` each way (deterministic). The input must be oriented like the
+/// result.
+NormalReport measure_normals(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
+                             const StripMesh& result, int samples, RunContext& context);
+
+/// All of it. Normals are measured against `repaired` where there is one: it is oriented.
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,
                     int max_sides, int samples, RunContext& context);
 

@@ -45,6 +45,14 @@ std::vector<Defect> check_uv_owners(const Whole& whole);                        
 std::vector<Defect> check_doubled_points(const StripMesh& result, const std::vector<int>& points,
                                          double diagonal);  // S9
 
+struct AreaSample {
+  Vector3 point;
+  int face;
+};
+/// One point in each of `n` equal shares of the area; the same each time.
+std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
+                                     const std::vector<std::array<int, 3>>& faces, int n);
+
 /// A point of the patch to show to people.
 Vector3 place_of(const StripMesh& result, int patch);
 void append(std::vector<Defect>& to, std::vector<Defect> more);

@@ -1,10 +1,10 @@
 // The two-sided distance: samples, vertices, and a climb to the top from the farthest of them.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 
 #include "sheetform/strip/certificate.h"
+#include "sheetform/strip/certificate_checks.h"
 
 namespace sheetform {
 namespace {
@@ -25,37 +25,7 @@ struct Surface {
   }
 };
 
-double unit_noise(std::uint64_t i) {  // SplitMix64, a fixed stream: results depend on no seed
-  std::uint64_t z = (i + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-}
-
-struct Sample {
-  Vector3 point;
-  int face;
-};
-
-// One sample in each of `n` equal shares of the area; inside a face the R2 sequence (Roberts) spreads them.
-std::vector<Sample> area_samples(const Surface& s, int n) {
-  std::vector<double> sum(s.faces.size());
-  double total = 0;
-  for (std::size_t f = 0; f < s.faces.size(); ++f) sum[f] = total += s.area(static_cast<int>(f));
-  std::vector<Sample> out;
-  if (!(total > 0)) return out;
-  std::size_t f = 0;
-  for (int i = 0; i < n; ++i) {
-    const double target = (i + unit_noise(static_cast<std::uint64_t>(i))) / n * total;
-    while (f + 1 < s.faces.size() && sum[f] <= target) ++f;
-    double a = std::fmod(0.5 + i * 0.7548776662466927, 1.0), b = std::fmod(0.5 + i * 0.5698402909980532, 1.0);
-    if (a + b > 1) a = 1 - a, b = 1 - b;
-    const auto& t = s.faces[f];
-    out.push_back(
-        {(1 - a - b) * s.points[t[0]] + a * s.points[t[1]] + b * s.points[t[2]], static_cast<int>(f)});
-  }
-  return out;
-}
+using Sample = certificate::AreaSample;
 
 // Vertices that faces use, each with one of its faces.
 std::vector<Sample> vertex_samples(const Surface& s) {
@@ -194,7 +164,7 @@ std::pair<OneWay, double> measure_one_way(const Surface& from, const ClosestPoin
                                           int samples, bool midpoints, double diagonal,
                                           const RunContext& context) {
   OneWay way(from, tree, to_faces, context);
-  const double mean = way.measure(area_samples(from, samples));
+  const double mean = way.measure(certificate::area_samples(from.points, from.faces, samples));
   if (midpoints) way.measure(midpoint_samples(from));
   way.measure(vertex_samples(from));
   double area = 0;

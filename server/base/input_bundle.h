@@ -1,0 +1,27 @@
+// A mesh and the cross field that goes with it, as one run of bytes: they are stored, hashed and handed to a
+// job as one input, so that a job never sees one without the other.
+//
+// The mesh, the field, and a tail of kTailBytes that says how long the mesh is. Without a field: the mesh
+// alone.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sheetform::server {
+
+/// Largest field that is taken: directions of about a million faces.
+inline constexpr std::size_t kFieldFileBytes = std::size_t{32} << 20;
+inline constexpr std::size_t kTailBytes = 40;
+
+struct InputBundle {
+  std::string_view mesh, field;  ///< field empty: none was given
+};
+
+/// What follows the mesh; empty for an empty field.
+std::string after_mesh(std::uint64_t mesh_bytes, std::string_view field);
+/// Bytes of the mesh in a bundle of `bytes` that ends with `tail` (its last kTailBytes, or all of it).
+std::uint64_t mesh_bytes_of(std::uint64_t bytes, std::string_view tail);
+InputBundle split_bundle(std::string_view bytes);
+
+}  // namespace sheetform::server
