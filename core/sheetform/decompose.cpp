@@ -150,11 +150,11 @@ std::vector<Variant> variants(Effort effort) {
     case Effort::kDraft:
       return {{Effort::kDraft, 60, 0, 0}};
     case Effort::kNormal:
-      return {{Effort::kNormal, 200, 20, 0}};
+      return {{Effort::kNormal, 200, 60, 0}};
     case Effort::kThorough:
       break;
   }
-  return {{Effort::kNormal, 200, 20, 0},
+  return {{Effort::kNormal, 200, 60, 0},
           {Effort::kDraft, 60, 150, 1},
           {Effort::kNormal, 200, 150, 2},
           {Effort::kNormal, 400, 150, 3}};

@@ -246,7 +246,7 @@ void ClosestPointTree::test_triangle(const Triangle& t, const Vector3& query, Cl
   best.barycentric = Vector3(1 - weights[0] - weights[1], weights[0], weights[1]);
 }
 
-ClosestPoint ClosestPointTree::closest(const Vector3& query, double bound2) const {
+ClosestPoint ClosestPointTree::closest(const Vector3& query, double bound2, double enough2) const {
   ClosestPoint best;
   if (nodes_.empty() || !query.allFinite()) return best;
   best.squared_distance = bound2;
@@ -268,6 +268,7 @@ ClosestPoint ClosestPointTree::closest(const Vector3& query, double bound2) cons
     if (entry.lower > static_cast<float>(best.squared_distance * to_float)) continue;
     if (entry.count > 0) {
       for (int i = 0; i < entry.count; ++i) test_triangle(triangles_[entry.first + i], query, best);
+      if (best.face >= 0 && best.squared_distance <= enough2) break;
       continue;
     }
     const Node& node = nodes_[entry.first];

@@ -25,8 +25,10 @@ class ClosestPointTree {
   ClosestPointTree(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
                    const RunContext& context = {});
   /// Nearest point within sqrt(bound2); face = -1 if there is none (or the query is not finite). A good bound
-  /// makes the query faster.
-  ClosestPoint closest(const Vector3& query, double bound2 = std::numeric_limits<double>::infinity()) const;
+  /// makes the query faster. Where a point within sqrt(enough2) has been found, a nearer one is not looked
+  /// for.
+  ClosestPoint closest(const Vector3& query, double bound2 = std::numeric_limits<double>::infinity(),
+                       double enough2 = 0) const;
   bool empty() const { return nodes_.empty(); }
 
  private:

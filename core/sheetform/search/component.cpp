@@ -20,7 +20,11 @@ namespace {
 // A finer measurement finds a little more than the one made here.
 constexpr double kMeasured = 0.993;
 constexpr int kQuickSamples = 4000, kSamples = 20000;  // the latter as the certificate takes them
-constexpr double kOnPlane = 1e-9;                      // of the diagonal
+// Steps of one final pass; an excess over the tolerance has to shrink to this share at each, and beyond this
+// multiple of the tolerance rulings become plainer at once.
+constexpr int kMostSteps = 12;
+constexpr double kProgress = 0.85, kHard = 1.1;
+constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr int kFinerAttempts = 3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
@@ -51,6 +55,7 @@ struct Attempt {
   StripMesh strips;
   std::vector<int> invalid;   // patches that break a strict promise
   std::vector<int> too_far;   // valid patches beyond the tolerance
+  std::vector<int> hard;      // those of them beyond it by more than the next morph makes good
   std::vector<FarPlace> far;  // what the next morph should know
   double distance = 0;
   double miss = 0;  // of ComponentResult
@@ -181,7 +186,7 @@ class ComponentRun {
 
   // Few parts are soon tried out.
   int tries(LayoutSearch& search) const {
-    return std::min(params_.improvements, 3 * static_cast<int>(search.layout().patches.size()));
+    return std::min(params_.improvements, 6 * static_cast<int>(search.layout().patches.size()));
   }
 
   // Final strips of the present layout; what breaks a promise is split, until nothing does.
@@ -227,23 +232,32 @@ class ComponentRun {
     fine.spacing = spacing;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
     Attempt best;
-    for (int step = 0, stale = 0; step < 16; ++step) {
+    for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       const FinishedLayout finished = pass.solve(10);
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
       attempt.spacing = spacing;
       if (attempt.good()) return attempt;
-      const bool better = step == 0 || rank(attempt) < rank(best);
+      const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;
       const std::vector<int> bad = attempt.invalid.empty() ? attempt.too_far : attempt.invalid;
       pass.draw_to(attempt.far);
-      if (better) best = std::move(attempt);
+      const bool eased = pass.plainer(attempt.hard);
+      if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
+      if (eased) continue;
       if (!best.invalid.empty() || stale >= 2) {
         if (!pass.plainer(bad)) break;
         stale = 0;
       }
     }
     return best;
+  }
+
+  // Small steps towards a tolerance that is far off lead nowhere.
+  static bool clearly_better(const Attempt& now, const Attempt& best) {
+    if (now.invalid.size() != best.invalid.size()) return now.invalid.size() < best.invalid.size();
+    if (now.too_far.size() != best.too_far.size()) return now.too_far.size() < best.too_far.size();
+    return now.miss - 1 < kProgress * (best.miss - 1);
   }
 
   static std::tuple<std::size_t, std::size_t, double> rank(const Attempt& a) {
@@ -265,7 +279,10 @@ class ComponentRun {
     attempt.miss = attempt.distance / params_.evaluation.e_max;
     attempt.far = std::move(d.far);
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (d.patch_error[p] > kMeasured * params_.evaluation.e_max) attempt.too_far.push_back(p);
+      if (d.patch_error[p] > kMeasured * params_.evaluation.e_max) {
+        attempt.too_far.push_back(p);
+        if (d.patch_error[p] > kHard * params_.evaluation.e_max) attempt.hard.push_back(p);
+      }
     measure_tilt(attempt, samples);
     return attempt;
   }

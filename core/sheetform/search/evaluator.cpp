@@ -20,7 +20,6 @@ constexpr double kOutlineSlide = 0.0;
 constexpr double kStiffness = 8e-3;
 constexpr int kNarrowFaces = 12;
 constexpr double kTurnAlongPath = 50;  // degrees: where a path bends more, a patch has a corner
-constexpr double kFirm = 10;           // a corner that turns by so much more stays one when the patch grows
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -46,14 +45,13 @@ void find_corners(const PatchLayout& layout, const Patch& patch, double reach, d
   for (int i = 0; i < n; ++i) {
     if (!polygon.node[i]) continue;
     const Vector2 in = polygon.uv[i] - polygon.uv[away(i, -1)], out = polygon.uv[away(i, 1)] - polygon.uv[i];
-    const double angle = std::abs(std::atan2(cross(in, out), in.dot(out)));
+    const double angle = std::atan2(cross(in, out), in.dot(out)) / kDegree;
     const ArchUse& use = patch.boundary[polygon.origin[i].use];
     const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
     const double limit = path(i) != path((i + n - 1) % n) ? turn : std::max(turn, kTurnAlongPath);
-    if (every_node || angle > limit * kDegree) e.corners.push_back(i);
+    if (every_node || std::abs(angle) > limit) e.corners.push_back(i);
     const auto& vertices = layout.arches[use.arch].vertices;
-    if (every_node || angle > (limit + kFirm) * kDegree)
-      e.firm_corners.push_back(use.forward ? vertices.front() : vertices.back());
+    e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, every_node ? -1 : limit});
   }
 }
 

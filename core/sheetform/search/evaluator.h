@@ -32,7 +32,7 @@ struct SearchSurface {
   SurfaceGuide guide;
   const ClosestPointTree* input = nullptr;    ///< the untouched input
   std::vector<DetailPoint> details;           ///< ascending by face
-  const CurvatureField* curvature = nullptr;  ///< of `mesh`; only the full morph asks for it
+  const CurvatureField* curvature = nullptr;  ///< of `mesh`; may be null but for the full morph
   std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
   PlaneBorder plane;                          ///< of a half; empty without symmetry
 
@@ -69,13 +69,20 @@ enum class PatchVerdict : char {
 };
 const char* to_string(PatchVerdict verdict);
 
+/// How the flat outline of a patch turns at a node.
+struct NodeTurn {
+  int vertex;    ///< of the mesh
+  double angle;  ///< degrees, counter-clockwise positive
+  double limit;  ///< beyond it the node is a corner
+};
+
 /// All that is known of one patch alone; cached by Patch::key.
 struct PatchEvaluation {
   PatchVerdict verdict = PatchVerdict::kNotADisk;
   std::shared_ptr<const PatchChart> chart;
   PatchPolygon polygon;
-  std::vector<int> corners;       ///< polygon points
-  std::vector<int> firm_corners;  ///< mesh vertices of those that no change elsewhere will make straight
+  std::vector<int> corners;     ///< polygon points
+  std::vector<NodeTurn> turns;  ///< of the outline, at its nodes
   RulingSet rulings;
   std::vector<MorphSample> samples;  ///< unknown = polygon point
   double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout

@@ -44,8 +44,9 @@ class LayoutSearch {
   void remove_paths();
   /// Removes single arches (T-junctions appear), the most rewarding first, until none goes.
   void remove_arches();
-  /// Local search: a stretch of a candidate path goes in, other arches go out; kept when parts or cuts get
-  /// fewer. Returns the number of improvements.
+  /// Local search: a stretch of a candidate path goes in, other arches go out; kept when there are fewer
+  /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
+  /// kept.
   int improve(int tries, std::uint64_t seed);
   /// Number of patches plus a little for the length of the cuts.
   double objective();
@@ -88,13 +89,14 @@ class LayoutSearch {
   void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
                 const std::vector<int>& versions);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
-  bool try_improve(const Path& path, int patch);
+  void try_improve(const Path& path, int patch);
   void join_straight(const std::vector<int>& removed);
   Vector3 arch_direction(int edge, int v) const;
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
   double merge_value(int arch);
+  bool too_round(const std::vector<int>& beside, double inner_length) const;
   std::vector<std::pair<std::uint64_t, int>> removable_arches(const PatchLayout& now) const;
 
   SearchSurface& surface_;
@@ -110,7 +112,8 @@ class LayoutSearch {
   LayoutRules rules_;
   double edge_length_;
   int last_version_ = 0;
-  std::vector<Vector3> rest_;  ///< the mesh before any smoothing
+  std::vector<Vector3> rest_;       ///< the mesh before any smoothing
+  std::vector<double> face_gauss_;  ///< per face: its integral of |Gaussian curvature|
   PatchLayout layout_;
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;

@@ -1,6 +1,7 @@
 // The two-sided distance: samples, vertices, and a climb to the top from the farthest of them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "sheetform/strip/certificate.h"
@@ -14,6 +15,9 @@ namespace {
 constexpr double kFinestStep = 2e-5;
 // Climbs start in the faces where the distance found is largest: one for so many samples, within bounds.
 constexpr int kSamplesForAClimb = 200, kFewestClimbs = 24, kMostClimbs = 200;
+// Where only places beyond a limit are asked for, what is known to be nearer than this share of it is not
+// measured exactly.
+constexpr double kSettled = 0.85;
 
 /// The surface distances are measured from, in plain arrays.
 struct Surface {
@@ -58,7 +62,9 @@ Vector3 clamped_point(const Vector3& a, const Vector3& b, const Vector3& c, Vect
 /// Distances from one surface to another, one way.
 class OneWay {
  public:
-  OneWay(const Surface& from, const ClosestPointTree& tree, int to_faces, const RunContext& context)
+  // settled: a distance known to be below it is not told exactly.
+  OneWay(const Surface& from, const ClosestPointTree& tree, int to_faces, double settled,
+         const RunContext& context)
       : from_face(from.faces.size(), 0),
         to_face(to_faces, 0),
         farthest(from.faces.size(), Vector3::Zero()),
@@ -67,6 +73,7 @@ class OneWay {
         to_hit(to_faces),
         from_(from),
         tree_(tree),
+        settled_(settled),
         context_(context) {}
 
   // Measures from each sample and gives the mean distance.
@@ -77,7 +84,7 @@ class OneWay {
     parallel_for(context_, (n + kChunk - 1) / kChunk, [&](int chunk) {
       context_.checkpoint();
       for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
-        if (samples[i].face >= 0) hits[i] = tree_.closest(samples[i].point);
+        if (samples[i].face >= 0) hits[i] = closest(samples[i].point);
     });
     context_.checkpoint();
     double sum = 0;
@@ -98,7 +105,7 @@ class OneWay {
         [&](int a, int b) { return from_face[a] != from_face[b] ? from_face[a] > from_face[b] : a < b; });
     for (std::size_t i = 0; i < climbs; ++i) {
       if (i % 16 == 0) context_.checkpoint();
-      climb(order[i], spacing, finest);
+      if (from_face[order[i]] > settled_) climb(order[i], spacing, finest);
     }
   }
 
@@ -111,6 +118,10 @@ class OneWay {
   std::vector<ClosestPoint> to_hit;
 
  private:
+  ClosestPoint closest(const Vector3& point) const {
+    return tree_.closest(point, std::numeric_limits<double>::infinity(), settled_ * settled_);
+  }
+
   double keep(const Vector3& point, int face, const ClosestPoint& hit) {
     const double d = std::sqrt(hit.squared_distance);
     if (d > from_face[face]) from_face[face] = d, farthest[face] = point, farthest_hit[face] = hit;
@@ -140,13 +151,14 @@ class OneWay {
           const Eigen::Vector2d w = inverse * (sides.transpose() * (farthest[face] + step * way - a));
           const Vector3 trial = clamped_point(a, b, c, {1 - w.sum(), w[0], w[1]});
           const double before = from_face[face];
-          better = keep(trial, face, tree_.closest(trial)) > before * (1 + 1e-9) || better;
+          better = keep(trial, face, closest(trial)) > before * (1 + 1e-9) || better;
         }
       }
   }
 
   const Surface& from_;
   const ClosestPointTree& tree_;
+  double settled_;
   const RunContext& context_;
 };
 
@@ -161,9 +173,9 @@ Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>
 
 // Measures, and gives the mean distance too.
 std::pair<OneWay, double> measure_one_way(const Surface& from, const ClosestPointTree& tree, int to_faces,
-                                          int samples, bool midpoints, double diagonal,
+                                          int samples, bool midpoints, double diagonal, double settled,
                                           const RunContext& context) {
-  OneWay way(from, tree, to_faces, context);
+  OneWay way(from, tree, to_faces, settled, context);
   const double mean = way.measure(certificate::area_samples(from.points, from.faces, samples));
   if (midpoints) way.measure(midpoint_samples(from));
   way.measure(vertex_samples(from));
@@ -192,11 +204,14 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
   for (const auto& f : input.faces)
     for (int v : f) box.extend(input.points[v]);
   const double diagonal = box.diagonal().norm();
+  const double settled = std::isfinite(far_limit) ? kSettled * far_limit : 0;
   const ClosestPointTree result_tree(result.points, faces);
   context.checkpoint();
   const int in_faces = static_cast<int>(input.faces.size()), out_faces = static_cast<int>(faces.size());
-  const auto [to, to_mean] = measure_one_way(in, result_tree, out_faces, samples, false, diagonal, context);
-  const auto [back, back_mean] = measure_one_way(out, tree, in_faces, samples, true, diagonal, context);
+  const auto [to, to_mean] =
+      measure_one_way(in, result_tree, out_faces, samples, false, diagonal, settled, context);
+  const auto [back, back_mean] =
+      measure_one_way(out, tree, in_faces, samples, true, diagonal, settled, context);
   report.input_to_result = to.max, report.result_to_input = back.max;
   report.mean = (to_mean + back_mean) / 2;
   report.worst_place = to.max >= back.max ? to.worst : back.worst;
