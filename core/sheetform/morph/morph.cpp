@@ -69,11 +69,19 @@ class NormalEquations {
         if (s.coefficient[b] != 0) add(s.unknown[a], s.unknown[b], wa * s.coefficient[b]);
     }
   }
+  // The middle point against the line between its neighbours.
   void add_stencil(const std::array<int, 3>& t, double w, bool relative) {
-    constexpr std::array<double, 3> c{0.5, -1, 0.5};
+    const std::vector<Vector3>& rest = problem_.rest;
+    const double before = std::max((rest[t[1]] - rest[t[0]]).norm(), 1e-12),
+                 after = std::max((rest[t[2]] - rest[t[1]]).norm(), 1e-12);
+    const std::array<double, 3> c{after / (before + after), -1, before / (before + after)};
+    if (params_.spacing > 0) {
+      const double longer = std::max(before * after / (params_.spacing * params_.spacing), 1.0);
+      w /= longer * longer;
+    }
     Vector3 value = Vector3::Zero();
     if (relative)
-      for (int a = 0; a < 3; ++a) value += c[a] * problem_.rest[t[a]];
+      for (int a = 0; a < 3; ++a) value += c[a] * rest[t[a]];
     for (int a = 0; a < 3; ++a) {
       rhs_.row(t[a]) += w * c[a] * value.transpose();
       for (int b = 0; b < 3; ++b) add(t[a], t[b], w * c[a] * c[b]);

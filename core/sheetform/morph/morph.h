@@ -41,6 +41,8 @@ struct MorphProblem {
 
 struct MorphParams {
   double smooth = 0.3;  ///< relative to the mean data weight of an unknown
+  double spacing = 0;   ///< of the points that `smooth` is meant for: where they are farther apart, the same
+                        ///< bend costs the same; 0 = of all
   double bend = 0.0;
   int rounds = 4;         ///< minimax reweightings (Lawson) after the least-squares solve
   double slide = 0.8;     ///< share of a sample's tangential offset that is forgiven between rounds

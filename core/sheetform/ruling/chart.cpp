@@ -4,12 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace sheetform {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMostChange = 0.8;  // of a length of the outline
+
+double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Corners {  // union-find over the 3F corners of a patch
   std::vector<int> parent;
@@ -130,46 +135,135 @@ class Solver {
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
 };
 
-void tutte(const std::vector<RestTriangle>& rest, const std::vector<int>& place, PatchChart& chart) {
-  const int n = static_cast<int>(chart.vertices.size());
+std::vector<int> outline_of(const PatchChart& chart) {
   std::vector<int> loop;
-  std::vector<char> on_loop(n, 0);
   for (const auto& line : chart.boundary)
-    for (std::size_t i = 0; i + 1 < line.size(); ++i) loop.push_back(line[i]), on_loop[line[i]] = 1;
-  // Lengths along the loop, from the rest triangles' boundary edges, are close to uniform: use steps.
-  chart.uv.assign(n, Vector2::Zero());
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) loop.push_back(line[i]);
+  return loop;
+}
+
+// The cotangent Laplacian of the patch with its inner vertices eliminated.
+class InnerSolver {
+ public:
+  InnerSolver(const std::vector<RestTriangle>& rest, const std::vector<int>& place,
+              const std::vector<int>& loop, const PatchChart& chart)
+      : rest_(rest), chart_(chart), inner_(chart.vertices.size(), -1) {
+    std::vector<char> on_loop(inner_.size(), 0);
+    std::vector<int> order(inner_.size());
+    for (int v : loop) on_loop[v] = 1;
+    for (std::size_t v = 0; v < order.size(); ++v) order[place[v]] = static_cast<int>(v);
+    for (int v : order)
+      if (!on_loop[v]) inner_[v] = count_++;
+    if (count_ == 0) return;
+    Triplets triplets;
+    each_edge([&](int a, int b, double w) {
+      if (inner_[a] < 0) return;
+      triplets.emplace_back(inner_[a], inner_[a], w);
+      if (inner_[b] >= 0 && inner_[a] > inner_[b]) triplets.emplace_back(inner_[a], inner_[b], -w);
+    });
+    solver_.emplace(count_, triplets);
+  }
+
+  // Fills in the inner entries so that the Laplacian of x is `load` there; x is given on the outline.
+  void solve(const Eigen::MatrixX2d& load, Eigen::MatrixX2d& x) const {
+    if (count_ == 0) return;
+    Eigen::MatrixX2d rhs(count_, 2);
+    for (std::size_t v = 0; v < inner_.size(); ++v)
+      if (inner_[v] >= 0) rhs.row(inner_[v]) = load.row(static_cast<int>(v));
+    each_edge([&](int a, int b, double w) {
+      if (inner_[a] >= 0 && inner_[b] < 0) rhs.row(inner_[a]) += w * x.row(b);
+    });
+    const Eigen::MatrixX2d inside = solver_->solve(rhs);
+    for (std::size_t v = 0; v < inner_.size(); ++v)
+      if (inner_[v] >= 0) x.row(static_cast<int>(v)) = inside.row(inner_[v]);
+  }
+
+  // The Laplacian of x.
+  Eigen::MatrixX2d laplacian(const Eigen::MatrixX2d& x) const {
+    Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(x.rows(), 2);
+    each_edge([&](int a, int b, double w) { out.row(a) += w * (x.row(a) - x.row(b)); });
+    return out;
+  }
+
+ private:
+  // Every side of every triangle, both ways: visit(from, to, weight).
+  template <class Visit>
+  void each_edge(const Visit& visit) const {
+    for (std::size_t i = 0; i < rest_.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        const int a = chart_.triangles[i][(k + 1) % 3], b = chart_.triangles[i][(k + 2) % 3];
+        visit(a, b, rest_[i].cot[k]);
+        visit(b, a, rest_[i].cot[k]);
+      }
+  }
+
+  const std::vector<RestTriangle>& rest_;
+  const PatchChart& chart_;
+  std::vector<int> inner_;  // per local vertex: row, -1 on the outline
+  int count_ = 0;
+  std::optional<Solver> solver_;
+};
+
+// The outline on a circle: with it the inner points never fold over (Tutte).
+Eigen::MatrixX2d round_outline(const std::vector<RestTriangle>& rest, const std::vector<int>& loop,
+                               std::size_t vertices) {
   double area = 0;
   for (const auto& r : rest) area += r.area;
-  const double radius = std::sqrt(area / 3.14159265358979),
-               step = 2 * 3.14159265358979 / static_cast<double>(loop.size());
-  for (std::size_t i = 0; i < loop.size(); ++i)
-    chart.uv[loop[i]] =
-        radius * Vector2(std::cos(step * static_cast<double>(i)), std::sin(step * static_cast<double>(i)));
-  std::vector<int> inner(n, -1), order(n);
-  for (int v = 0; v < n; ++v) order[place[v]] = v;
-  int m = 0;
-  for (int v : order)
-    if (!on_loop[v]) inner[v] = m++;
-  if (m == 0) return;
-  Triplets triplets;
-  Eigen::MatrixX2d rhs = Eigen::MatrixX2d::Zero(m, 2);
+  const double radius = std::sqrt(area / kPi), step = 2 * kPi / static_cast<double>(loop.size());
+  Eigen::MatrixX2d outline = Eigen::MatrixX2d::Zero(static_cast<int>(vertices), 2);
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const double angle = step * static_cast<double>(i);
+    outline.row(loop[i]) = radius * Vector2(std::cos(angle), std::sin(angle)).transpose();
+  }
+  return outline;
+}
+
+// The conformal outline that keeps its lengths (Sawhney and Crane 2017, "Boundary First Flattening"), exact
+// where the patch is developable: angles follow from a Poisson problem, lengths change as little as closing
+// takes. Nothing where they would have to change by much.
+std::optional<Eigen::MatrixX2d> unrolled_outline(const SurfaceMesh& mesh, const InnerSolver& inner,
+                                                 const std::vector<RestTriangle>& rest,
+                                                 const PatchChart& chart, const std::vector<int>& loop) {
+  const auto vertices = static_cast<int>(chart.vertices.size());
+  std::vector<char> on_loop(vertices, 0);
+  for (int v : loop) on_loop[v] = 1;
+  Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(vertices, 2), u = load;
+  std::vector<double> angle(vertices, 0);
   for (std::size_t i = 0; i < rest.size(); ++i)
     for (int k = 0; k < 3; ++k) {
-      const int a = chart.triangles[i][(k + 1) % 3], b = chart.triangles[i][(k + 2) % 3];
-      const double w = rest[i].cot[k];
-      for (auto [x, y] : {std::pair{a, b}, std::pair{b, a}}) {
-        if (inner[x] < 0) continue;
-        triplets.emplace_back(inner[x], inner[x], w);
-        if (inner[y] >= 0) {
-          if (inner[x] > inner[y]) triplets.emplace_back(inner[x], inner[y], -w);
-        } else {
-          rhs.row(inner[x]) += w * chart.uv[y].transpose();
-        }
-      }
+      const Vector2 a = rest[i].p[(k + 1) % 3] - rest[i].p[k], b = rest[i].p[(k + 2) % 3] - rest[i].p[k];
+      angle[chart.triangles[i][k]] += std::atan2(cross(a, b), a.dot(b));
     }
-  const Eigen::MatrixX2d x = Solver(m, triplets).solve(rhs);
-  for (int v = 0; v < n; ++v)
-    if (inner[v] >= 0) chart.uv[v] = x.row(inner[v]);
+  for (int v = 0; v < vertices; ++v)
+    if (!on_loop[v]) load(v, 0) = angle[v] - 2 * kPi;
+  inner.solve(load, u);
+  const Eigen::MatrixX2d flux = inner.laplacian(u);
+
+  const std::size_t n = loop.size();
+  std::vector<double> length(n);
+  std::vector<Vector2> along(n);
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Vector2 gap = Vector2::Zero();
+  double heading = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector3 &a = mesh.points[chart.vertices[loop[i]]],
+                  &b = mesh.points[chart.vertices[loop[(i + 1) % n]]];
+    length[i] = std::max((b - a).norm(), 1e-12);
+    if (i > 0) heading += kPi - angle[loop[i]] + flux(loop[i], 0);
+    along[i] = {std::cos(heading), std::sin(heading)};
+    spread += length[i] * along[i] * along[i].transpose();
+    gap += length[i] * along[i];
+  }
+  const Vector2 pull = spread.inverse() * gap;
+  Eigen::MatrixX2d outline = Eigen::MatrixX2d::Zero(vertices, 2);
+  Vector2 at = Vector2::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double keep = 1 - along[i].dot(pull);
+    if (!(keep > 1 - kMostChange && keep < 1 + kMostChange)) return std::nullopt;
+    outline.row(loop[i]) = at.transpose();
+    at += keep * length[i] * along[i];
+  }
+  return outline;
 }
 
 // One local step: rotations and the right-hand side; returns the energy of the current map.
@@ -267,10 +361,19 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   PatchChart chart;
   cut_open(mesh, layout, patch, chart);
   const auto rest = rest_triangles(mesh, patch);
-  const std::vector<int> place = elimination_order(params, chart);
-  tutte(rest, place, chart);
-  arap(rest, params, place, chart);
-  measure(rest, chart);
+  const std::vector<int> place = elimination_order(params, chart), loop = outline_of(chart);
+  const InnerSolver inner(rest, place, loop, chart);
+  const Eigen::MatrixX2d no_load = Eigen::MatrixX2d::Zero(static_cast<int>(chart.vertices.size()), 2);
+  const auto settle = [&](Eigen::MatrixX2d start) {
+    inner.solve(no_load, start);
+    chart.uv.resize(chart.vertices.size());
+    for (std::size_t v = 0; v < chart.uv.size(); ++v) chart.uv[v] = start.row(static_cast<int>(v));
+    arap(rest, params, place, chart);
+    measure(rest, chart);
+  };
+  const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop);
+  if (unrolled) settle(*unrolled);
+  if (!unrolled || chart.folded > 0) settle(round_outline(rest, loop, chart.vertices.size()));
   return chart;
 }
 

@@ -26,6 +26,7 @@ constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
+constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
 constexpr int kFinerAttempts = 3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
@@ -51,7 +52,7 @@ class Laps {
 // The layout as strips, and what is still wrong with it.
 struct Attempt {
   FinishedLayout finished;
-  double spacing = 0;
+  EvaluationParams evaluation;
   StripMesh strips;
   std::vector<int> invalid;   // patches that break a strict promise
   std::vector<int> too_far;   // valid patches beyond the tolerance
@@ -206,37 +207,42 @@ class ComponentRun {
         if (attempt.too_far.empty() || round >= 30) return;
         search.reject(attempt.too_far);
         if (search.split(attempt.too_far, PatchVerdict::kError) == 0) return;
-      } else if (search.reject(attempt.invalid), search.split(attempt.invalid, PatchVerdict::kOverlap) == 0) {
-        break;
+      } else {
+        search.reject(attempt.invalid);
+        if (search.split(attempt.invalid, PatchVerdict::kOverlap) == 0 &&
+            search.give_away(attempt.invalid) == 0)
+          break;
       }
       if (round < 6 && params_.evaluation.t_junctions) search.remove_arches();
     }
     if (!have_best) throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
   }
 
-  // Fine outlines bend more smoothly; coarser ones, as the search had them, when those do not fit.
+  // Fine outlines bend more smoothly, with few points where no rulings end; even and coarser ones, as the
+  // search had them, when those do not fit.
   Attempt build_best(LayoutSearch& search) {
-    Attempt best = build(search, params_.fine_spacing);
-    for (double spacing = 1.4 * params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good();
+    Attempt best = build(search, params_.fine_spacing, kSparsest);
+    for (double spacing = params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good();
          spacing *= 1.4) {
-      Attempt other = build(search, spacing);
+      Attempt other = build(search, spacing, 1);
       if (rank(other) < rank(best)) best = std::move(other);
     }
     return best;
   }
 
-  Attempt build(LayoutSearch& search, double spacing) {
+  Attempt build(LayoutSearch& search, double spacing, double sparsest) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
     fine.normal_deviation *= params_.margin;
     fine.spacing = spacing;
+    fine.sparsest = sparsest;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       const FinishedLayout finished = pass.solve(10);
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
-      attempt.spacing = spacing;
+      attempt.evaluation = fine;
       if (attempt.good()) return attempt;
       const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;
@@ -331,7 +337,7 @@ class ComponentRun {
     while (kept < n) {
       FinishedLayout moved = reduced.finished;
       moved.source.points =
-          full_morph_places(surface_, layout, moved.evaluation, reduced.spacing, keep, context_);
+          full_morph_places(surface_, layout, moved.evaluation, reduced.evaluation, keep, context_);
       Attempt full = measured(moved, kSamples);
       const std::vector<char> spoilt = spoilt_patches(full, reduced);
       if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {

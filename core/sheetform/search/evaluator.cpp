@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "sheetform/search/outline_samples.h"
 #include "sheetform/search/patch_tilt.h"
 #include "sheetform/search/plane_join.h"
 #include "sheetform/strip/unfold.h"
@@ -19,7 +20,7 @@ constexpr double kOutlineSlide = 0.0;
 // sharper the tolerance.
 constexpr double kStiffness = 8e-3;
 constexpr int kNarrowFaces = 12;
-constexpr double kTurnAlongPath = 50;  // degrees: where a path bends more, a patch has a corner
+constexpr double kTurnAlongPath = 60;  // degrees: where a path bends more, a patch has a corner
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -203,12 +204,12 @@ bool inside_arch(const PatchPolygon& polygon, int i) { return !polygon.node[i]; 
 // Numbers the outline points of arches: nodes by their vertex, then the inner samples of each arch.
 class OutlineUnknowns {
  public:
-  OutlineUnknowns(const SearchSurface& surface, const PatchLayout& layout, double spacing,
+  OutlineUnknowns(const SearchSurface& surface, const PatchLayout& layout, const EvaluationParams& params,
                   MorphProblem& problem)
       : surface_(surface),
         mesh_(surface.mesh),
         layout_(layout),
-        spacing_(spacing),
+        params_(params),
         problem_(problem),
         ids_(layout.arches.size()) {}
 
@@ -216,7 +217,7 @@ class OutlineUnknowns {
   void add(int a, bool free, const std::vector<Vector3>* held) {
     if (!ids_[a].empty()) return;
     const Arch& arch = layout_.arches[a];
-    const std::vector<double> samples = outline_samples(surface_, arch, spacing_);
+    const std::vector<double> samples = outline_samples(surface_, arch, params_);
     if (held != nullptr && held->size() != samples.size()) held = nullptr;
     const double anchor = free ? anchor_weight(surface_, arch) : kHeld;
     const int last = static_cast<int>(samples.size()) - 1;
@@ -258,7 +259,7 @@ class OutlineUnknowns {
   const SearchSurface& surface_;
   const SurfaceMesh& mesh_;
   const PatchLayout& layout_;
-  double spacing_;
+  const EvaluationParams& params_;
   MorphProblem& problem_;
   std::vector<char> on_plane_;  // per unknown
   std::vector<std::vector<int>> ids_;
@@ -410,7 +411,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty())
-      samples[use.arch] = outline_samples(surface_, layout.arches[use.arch], params_.spacing);
+      samples[use.arch] = outline_samples(surface_, layout.arches[use.arch], params_);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
   find_corners(layout, patch, params_.corner_reach, params_.corner_turn, !params_.t_junctions, *e);
   if (static_cast<int>(e->corners.size()) > params_.max_sides ||
@@ -458,6 +459,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     for (int& u : s.unknown) u = unknown[u];
   MorphParams morph_params = params_.morph;
   morph_params.smooth = stiffness(params_);
+  morph_params.spacing = params_.spacing;
   morph_params.stop_below = 0.7 * params_.e_max;
   const MorphResult result = morph(problem, morph_params);
   std::vector<Vector3> position(n);
@@ -503,7 +505,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   out.patch_error.assign(layout.patches.size(), 0);
   out.unknowns.resize(layout.patches.size());
   MorphProblem problem;
-  OutlineUnknowns unknowns(surface_, layout, params_.spacing, problem);
+  OutlineUnknowns unknowns(surface_, layout, params_, problem);
   for (int p : region)
     for (const ArchUse& use : layout.patches[p].boundary) {
       const Arch& arch = layout.arches[use.arch];
@@ -533,6 +535,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   out.arch_unknowns = unknowns.take();
   MorphParams morph_params = params_.morph;
   morph_params.smooth = stiffness(params_);
+  morph_params.spacing = params_.spacing;
   morph_params.rounds = rounds;
   morph_params.stop_below = 0.7 * params_.e_max;
   out.position = morph(problem, morph_params).position;

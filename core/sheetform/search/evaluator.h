@@ -50,8 +50,10 @@ struct EvaluationParams {
   bool self_seams = true;
   bool t_junctions = true;
   double spacing = 0.03;        ///< of arch samples
+  double sparsest = 1;          ///< share of their density where no rulings end (see outline_samples.h)
   double corner_reach = 0.03;   ///< length over which directions at nodes are taken
-  double corner_turn = 45;      ///< degrees: a node where a patch turns by more is a corner (method.md 7.2)
+  double corner_turn = 55;      ///< degrees: a node where a patch turns by more is a corner: those of a
+                                ///< regular hexagon (60) are, those of an octagon (45) are rounded
   double normal_deviation = 0;  ///< degrees; 0 = no criterion
   RulingParams ruling;
   MorphParams morph;

@@ -1,6 +1,7 @@
 #include "sheetform/search/full_shape.h"
 
 #include "sheetform/morph/full_morph.h"
+#include "sheetform/search/outline_samples.h"
 
 namespace sheetform {
 namespace {
@@ -23,10 +24,10 @@ std::vector<Vector3> places_of(const LayoutEvaluation& e, int arch) {
 }  // namespace
 
 std::vector<Vector3> full_morph_places(const SearchSurface& surface, const PatchLayout& layout,
-                                       const LayoutEvaluation& evaluation, double spacing,
+                                       const LayoutEvaluation& evaluation, const EvaluationParams& params,
                                        const std::vector<char>& keep, const RunContext& context) {
   std::vector<std::vector<double>> samples;
-  for (const Arch& a : layout.arches) samples.push_back(sample_arch(surface.mesh, a, spacing));
+  for (const Arch& a : layout.arches) samples.push_back(outline_samples(surface, a, params));
   std::vector<RuledPatch> ruled(layout.patches.size());
   for (std::size_t p = 0; p < ruled.size(); ++p) {
     const PatchEvaluation& e = *evaluation.patches[p];

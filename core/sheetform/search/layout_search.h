@@ -65,6 +65,9 @@ class LayoutSearch {
   void smooth();
   /// Splits these patches (by id in layout()); returns how many were split.
   int split(const std::vector<int>& patches, PatchVerdict reason);
+  /// For patches that cannot be split: each goes to the neighbour beyond its longest arch that may go,
+  /// whatever becomes of that; returns how many went.
+  int give_away(const std::vector<int>& patches);
 
   const PatchLayout& layout();
   const LayoutEvaluation& evaluation();

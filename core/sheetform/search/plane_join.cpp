@@ -34,11 +34,6 @@ bool turns(const Vector2& out, const Vector2& segment, double limit) {
 
 }  // namespace
 
-std::vector<double> outline_samples(const SearchSurface& surface, const Arch& arch, double spacing) {
-  if (surface.is_straight(arch)) return {0, static_cast<double>(arch.edges.size())};
-  return sample_arch(surface.mesh, arch, spacing);
-}
-
 bool fits_its_image(const SearchSurface& surface, const PatchLayout& layout, const Patch& patch,
                     const PatchPolygon& polygon, const std::vector<int>& corners,
                     const EvaluationParams& params) {

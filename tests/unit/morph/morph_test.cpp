@@ -259,14 +259,19 @@ std::vector<Vector3> dense_solution(const MorphProblem& p, const MorphParams& pa
          {s.unknown[1], s.coefficient[1]},
          {s.unknown[2], s.coefficient[2]}},
         s.target);
-  const auto second_difference = [&](const std::array<int, 3>& t) {
-    return Vector3(0.5 * p.rest[t[0]] - p.rest[t[1]] + 0.5 * p.rest[t[2]]);
+  // The middle one against the point of the line between its neighbours that divides it as they are apart;
+  // the same bend costs the same however far apart they are.
+  const auto add_bend = [&](const std::array<int, 3>& t, double weight, bool relative) {
+    const double before = (p.rest[t[1]] - p.rest[t[0]]).norm(), after = (p.rest[t[2]] - p.rest[t[1]]).norm();
+    const double first = after / (before + after), last = 1 - first;
+    if (params.spacing > 0)
+      weight /= std::max(1.0, std::pow(before * after / (params.spacing * params.spacing), 2));
+    add(weight, {{t[0], first}, {t[1], -1}, {t[2], last}},
+        relative ? Vector3(first * p.rest[t[0]] - p.rest[t[1]] + last * p.rest[t[2]]) : Vector3::Zero());
   };
-  for (const auto& t : p.stencils)
-    add(params.smooth * unit, {{t[0], 0.5}, {t[1], -1}, {t[2], 0.5}}, second_difference(t));
+  for (const auto& t : p.stencils) add_bend(t, params.smooth * unit, true);
   if (params.bend > 0)
-    for (const auto& t : p.bends)
-      add(params.bend * unit, {{t[0], 0.5}, {t[1], -1}, {t[2], 0.5}}, Vector3::Zero());
+    for (const auto& t : p.bends) add_bend(t, params.bend * unit, false);
   for (int i = 0; i < n; ++i) add(p.anchor[i] * unit, {{i, 1}}, p.rest[i]);
   Eigen::MatrixXd a(rows.size(), n);
   Eigen::MatrixX3d b(rows.size(), 3);
@@ -283,6 +288,7 @@ TEST(Morph, AgreesWithADenseSolve) {
     const MorphProblem problem = random_problem(5 + trial, 20 + 3 * trial, random);
     MorphParams p = params(0, 0.7);
     if (trial % 2) p.bend = 0.3;
+    if (trial % 3) p.spacing = 0.2;
     const std::vector<Vector3> wanted = dense_solution(problem, p), got = morph(problem, p).position;
     for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_LT((wanted[i] - got[i]).norm(), 1e-9) << trial;
   }

@@ -10,14 +10,14 @@ namespace sheetform {
 namespace {
 
 std::vector<Vector3> places(const RuledScene& s, const std::vector<char>& keep) {
-  return full_morph_places(s.surface, s.layout, s.reduced, s.params.spacing, keep, RunContext{});
+  return full_morph_places(s.surface, s.layout, s.reduced, s.params, keep, RunContext{});
 }
 
 TEST(FullShape, IsThatOfTheFullMorph) {
   for (const RuledScene* s : {&torus_sections(), &saddle_parts()}) {
     SearchSurface surface = s->surface;
     surface.curvature = &s->curvature;
-    const std::vector<Vector3> x = full_morph_places(surface, s->layout, s->reduced, s->params.spacing,
+    const std::vector<Vector3> x = full_morph_places(surface, s->layout, s->reduced, s->params,
                                                      std::vector<char>(s->patches.size(), 0), RunContext{});
     const FullMorphResult full = full_morph(s->problem, {}, RunContext{});
     for (std::size_t a = 0; a < full.arch_points.size(); ++a)

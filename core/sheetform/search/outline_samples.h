@@ -1,0 +1,15 @@
+// Where the outlines of patches get their points.
+#pragma once
+#include "sheetform/search/evaluator.h"
+
+namespace sheetform {
+
+/// Samples along an arch, as coordinates edge index + fraction (as sample_arch gives them): every
+/// params.spacing where the rulings of a patch beside it end, several times fewer where they run along it on
+/// both sides or the surface is flat, since every point there takes a ruling across; never so few that the
+/// polyline leaves the arch by more than a tenth of e_max. At least two segments; one for a straight arch on
+/// the plane of symmetry.
+std::vector<double> outline_samples(const SearchSurface& surface, const Arch& arch,
+                                    const EvaluationParams& params);
+
+}  // namespace sheetform
