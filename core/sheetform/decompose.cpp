@@ -362,15 +362,24 @@ class Sweep {
     for (int c = 0; c < count; ++c) {
       const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
       std::vector<ComponentResult> best;
-      for (const Variant& variant : tries) {
+      const auto run = [&](const Variant& variant, RunContext part) {
         const auto start = Clock::now();
-        RunContext part = part_of(context_, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
-        done += 1;
         const ComponentInput input = component_input(mesh, variant, part);
         results[0].report.timings["prepare"] += seconds_since(start);
         take(sweep_component(input, component_params(common_.params, reaches[0], variant), reaches, part),
              results, best);
+      };
+      for (const Variant& variant : tries) {
+        const double begin = 0.05 + 0.9 * done / runs, end = 0.05 + 0.9 * (done + 1) / runs;
+        done += 1;
+        try {
+          run(variant, part_of(context_, begin, end));
+        } catch (const Error& e) {
+          if (e.code() != ErrorCode::kInternal) throw;
+        }
       }
+      // A way that ends without valid strips is not the only one.
+      if (best.empty()) run({Effort::kDraft, 60, 0, 11}, part_of(context_, 0.95, 0.95));
       for (std::size_t k = 0; k < results.size(); ++k) {
         append(results[k].strips, best[k].strips, c);
         std::vector<std::string>& notes = results[k].report.notes;
