@@ -7,6 +7,7 @@
 #include <system_error>
 #include <thread>
 
+#include "server/base/file_output.h"
 #include "server/base/identity.h"
 #include "server/base/log.h"
 #include "server/base/version.h"
@@ -29,7 +30,7 @@ api::Problem make_problem(ProblemType type, std::string detail, std::string fix,
 
 /// One server a data folder: the lock is held until the process ends, however it ends.
 Descriptor lock_folder(const fs::path& data) {
-  fs::create_directories(data);
+  make_folder_synced(data);
   Descriptor lock(::open((data / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock.valid())
     throw std::system_error(errno, std::generic_category(), "the data folder " + data.string());

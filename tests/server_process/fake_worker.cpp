@@ -113,6 +113,23 @@ void talk_nonsense() {
   work(50);
 }
 
+/// More than a result may have, in two files of which each alone would do.
+void write_too_much() {
+  const std::string block(std::size_t{1} << 20, 'x');
+  for (const char* name : {"one.bin", "two.bin"}) {
+    const int fd = ::openat(kFolderDescriptor, name, O_WRONLY | O_CREAT, 0600);
+    for (int i = 0; i < 200; ++i)
+      if (::write(fd, block.data(), block.size()) < 0) ::_exit(74);
+    ::close(fd);
+  }
+  tell_result({{"one.bin", "application/octet-stream"}, {"two.bin", "application/octet-stream"}});
+}
+
+/// Leaves a process behind and ends as if all were well (the sandbox of the real one forbids it).
+void leave_a_child() {
+  if (::fork() == 0) sleep_deaf();
+}
+
 const std::map<std::string, std::function<void()>> kWays{
     {"segv", [] { progress(0.3, "trace"), ::raise(SIGSEGV); }},
     {"abort", [] { std::abort(); }},
@@ -122,6 +139,8 @@ const std::map<std::string, std::function<void()>> kWays{
     {"spin", spin},
     {"deaf", sleep_deaf},
     {"flood", flood},
+    {"fork", leave_a_child},
+    {"huge", write_too_much},
     {"nothing", [] {}},
     {"missing",
      [] {
