@@ -1,10 +1,12 @@
 """Supervision: every way in which a job's process can go wrong, cancel, limits, the queue."""
 import os
 import random
+import tempfile
 import threading
 import time
+import unittest
 
-from harness import EXECUTION, Server, ServerCase, main, unique_mesh
+from harness import EXECUTION, Server, ServerCase, WorkerRun, arc, main, unique_mesh
 
 MISBEHAVIOUR = [  # way, kind of problem, starts
     ("memory", "memory-limit", 1),
@@ -71,6 +73,23 @@ class Misbehaviour(ServerCase):
         self.assertEqual(seen, sorted(seen))
         self.assertGreater(len(set(seen)), 8)
         self.assertEqual(job["progress"], 100)
+
+
+class TheRealProcess(unittest.TestCase):
+    """The job's own process, without a server."""
+
+    def test_a_result_that_is_too_large_is_told_at_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = WorkerRun("decompose", arc(), name="arc.obj", folder=folder, fileBytes=1000)
+        self.assertEqual((run.status, run.slug()), (65, "limit-exceeded"), run.told)
+        self.assertIn("1000 bytes", run.problem()["detail"])
+        self.assertTrue(run.problem()["where"] and run.problem()["fix"])
+
+    def test_a_result_that_fits_is_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = WorkerRun("decompose", arc(), name="arc.obj", folder=folder)
+            self.assertIn("layout.svg", os.listdir(folder))
+        self.assertEqual((run.status, run.problem()), (0, None))
 
 
 class Cancel(ServerCase):
