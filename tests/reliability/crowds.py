@@ -141,7 +141,7 @@ def large_uploads(figures, long, rng):
 
 
 WAYS = {"memory": "memory-limit", "abort": "worker-crashed", "refuse": "unsupported-mesh", "nothing": "algorithm-failed",
-        "exit": "algorithm-failed", "fork": "algorithm-failed", "huge": "algorithm-failed", "missing": "algorithm-failed", "link": "algorithm-failed", "none": "algorithm-failed",
+        "exit": "algorithm-failed", "fork": "algorithm-failed", "huge": "limit-exceeded", "missing": "algorithm-failed", "link": "algorithm-failed", "none": "algorithm-failed",
         "flood": "algorithm-failed", "segv": "worker-crashed", "kill": "memory-limit", "spin": "time-limit", "deaf": "time-limit"}
 
 
@@ -168,7 +168,8 @@ def crashing_jobs(figures, long, rng):
                 good.append(server.submit(name="work-20.obj")["jobID"])
         for way, job_id in bad:
             job = server.wait(job_id, timeout=600)
-            expect(job["status"] == "failed" and job["exception"]["type"].endswith(WAYS[way]), f"{way}: {job}")
+            problem = job["exception"] if job["status"] == "failed" else {"type": ""}
+            expect(problem["type"].endswith(WAYS[way]) and problem["detail"] and problem.get("fix"), f"{way}: {job}")
             expect(job["attempt"] <= 3, f"{way} was started {job['attempt']} times")
         for job_id in good:
             expect(server.wait(job_id, timeout=600)["status"] == "successful", "a good job was harmed")

@@ -19,6 +19,7 @@ MISBEHAVIOUR = [  # way, kind of problem, starts
     ("twice", "algorithm-failed", 1),
     ("none", "algorithm-failed", 1),
     ("flood", "algorithm-failed", 1),
+    ("fork", "algorithm-failed", 1),
     ("long-line", "algorithm-failed", 1),
     ("segv", "worker-crashed", 3),
     ("kill", "memory-limit", 3),
@@ -39,6 +40,7 @@ class Misbehaviour(ServerCase):
                 job = self.server.wait(job_id, timeout=200)
                 self.assertEqual(job["status"], "failed", job)
                 self.assertTrue(job["exception"]["type"].endswith(slug), job["exception"])
+                self.assertTrue(job["exception"]["detail"] and job["exception"]["fix"], job["exception"])
                 self.assertEqual(job["attempt"], starts)
                 self.assertNotIn("report", job)
         for job_id in good:
