@@ -303,7 +303,8 @@ JobRecord JobService::dismiss(const JobRecord& job) {
 JobRecord JobService::retry(const JobRecord& job) {
   if (!jobs_.retry(job.id, now_us() + options_.limits.keep_results))
     throw Refusal(ProblemType::kConflict, std::string("the job is ") + api::to_string(job.state),
-                  "only failed and dismissed jobs can be run again");
+                  "only failed and dismissed jobs can be run again; to compute anew, send the mesh with "
+                  "cache=refresh");
   bus_.publish(job.id);
   pool_.wake();
   return *jobs_.find(job.id);

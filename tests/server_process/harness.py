@@ -264,6 +264,9 @@ class Contract:
         return None
 
     def check(self, method, path, answer):
+        if answer.headers.get("Content-Type") == "application/problem+json" and method != "HEAD":
+            for member in ("title", "detail", "fix", "requestId"):  # what, where, how to mend it, which one
+                assert answer.json().get(member), f"{method} {path} -> {answer.status}: no {member} in {answer.body[:300]}"
         operation = self.operation(method, path)
         if operation is None:
             return

@@ -1,5 +1,6 @@
 """Malformed and hostile HTTP, byte for byte: each row of what the stock library gets wrong, and more. A request is
 answered with the right status or the connection ends; the server lives on."""
+import json
 import random
 import re
 import socket
@@ -152,6 +153,9 @@ class Malformed(ServerCase):
                 received = self.server.raw(data, close_write=expected is None)
                 self.assertEqual(status_of(received), expected, received[:300])
                 self.assertLessEqual(len(re.findall(rb"HTTP/1\.1 [1-5]\d\d ", received)), 1, "more than one answer")
+                if (expected or 0) >= 400 and not received.startswith(b"HTTP/1.1 503"):
+                    problem = json.loads(received.split(b"\r\n\r\n", 1)[1])
+                    self.assertTrue(problem["detail"] and problem["fix"], problem)
                 self.assertIsNone(self.server.process.poll())
         self.assertEqual(self.server.get("/healthz").status, 200)
 
