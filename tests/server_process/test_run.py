@@ -29,7 +29,7 @@ class Run(unittest.TestCase):
 
     def arguments(self, *options, **environment):
         """What the program is started with."""
-        env = dict({k: v for k, v in os.environ.items() if not k.startswith("SHEETFORM_")}, HOME=self.root + "/home",
+        env = dict({k: v for k, v in os.environ.items() if not k.startswith("SHEETFORM_")}, HOME=self.root + "/user",
                    PATH=f"{self.root}/bin:{os.environ['PATH']}", **environment)
         env.pop("XDG_DATA_HOME", None)
         done = subprocess.run([self.root + "/server/run", *options], env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -47,7 +47,7 @@ class Run(unittest.TestCase):
         arguments = self.arguments()
         self.assertEqual(arguments[0], "serve")
         self.assertEqual(self.value(arguments, "--listen"), "127.0.0.1:8080")
-        self.assertEqual(self.value(arguments, "--data"), self.root + "/home/.local/share/sheetform")
+        self.assertEqual(self.value(arguments, "--data"), self.root + "/user/.local/share/sheetform")
 
     def test_an_option_of_the_user_wins(self):
         for option in (["--listen", "127.0.0.1:9000"], ["--listen=127.0.0.1:9000"]):
