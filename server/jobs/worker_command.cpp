@@ -165,7 +165,7 @@ void probe_job(const SandboxState& state) {
 }
 
 void run_request(const WorkerRequest& request) {
-  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
+  lower_process(limits_of(request));
   const SandboxState state = request.sandbox ? close_in(kFolderDescriptor) : SandboxState{};
   switch (request.mode) {
     case WorkerMode::kDecompose:

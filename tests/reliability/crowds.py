@@ -206,7 +206,26 @@ def cancels(figures, long, rng):
         figures.put(storm=storm)
 
 
-@trial("T18", "all slots busy: other requests stay quick")
+def client_work(server, seconds):
+    """What a script does: sends a mesh, looks after it, cancels it; the seconds that each request took, by kind."""
+    times, until = {"submit": [], "look": [], "cancel": []}, time.monotonic() + seconds
+
+    def timed(kind, method, path, body=None):
+        begun = time.monotonic()
+        answer = server.request(method, path, body, check=False)
+        times[kind].append(time.monotonic() - begun)
+        expect(answer.status in (200, 201), f"{method} {path}: {answer.status}")
+        return answer.json()
+    while time.monotonic() < until:
+        job = timed("submit", "POST", EXECUTION, unique_mesh())["jobID"]
+        for _ in range(5):
+            timed("look", "GET", f"/api/v1/jobs/{job}")
+            time.sleep(0.05)
+        timed("cancel", "DELETE", f"/api/v1/jobs/{job}")
+    return times
+
+
+@trial("T18", "all slots busy: other requests stay quick, those of ten clients at once too")
 def busy_slots(figures, long, rng):
     slots = os.cpu_count() or 2
     with Server("--slots", str(slots), "--quiet") as server:
@@ -216,6 +235,10 @@ def busy_slots(figures, long, rng):
         count = 1000 if long else 60
         put_latencies(figures, "list", latencies(server.port, "/api/v1/jobs", count), most=0.05)
         put_latencies(figures, "health", latencies(server.port, "/healthz", count), most=0.05)
+        told = in_threads(10, lambda i: client_work(server, 20 if long else 1))
+        for kind, most in (("submit", 0.5), ("look", 0.1), ("cancel", 0.1)):
+            put_latencies(figures, f"ten_{kind}", [t for times in told for t in times[kind]], most=most)
         for job_id in spinning:
+            expect(server.job(job_id)["status"] == "running", "a slot was free")
             server.request("DELETE", f"/api/v1/jobs/{job_id}", check=False)
-        figures.put(slots=slots)
+        figures.put(slots=slots, requests=sum(len(times[kind]) for times in told for kind in times))

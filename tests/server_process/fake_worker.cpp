@@ -196,7 +196,7 @@ void inspect(const WorkerRequest& request) {
 int main() {
   using namespace sheetform::server;
   const WorkerRequest request = worker_request_from(read_request());
-  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
+  lower_process(limits_of(request));
   if (request.mode == WorkerMode::kInspect)
     inspect(request);
   else

@@ -1,6 +1,7 @@
 """Supervision: every way in which a job's process can go wrong, cancel, limits, the queue."""
 import os
 import random
+import signal
 import tempfile
 import threading
 import time
@@ -61,6 +62,29 @@ class Misbehaviour(ServerCase):
     def test_a_reader_that_dies_is_no_servers_death(self):
         answer = self.server.request("POST", f"{EXECUTION}?filename=inspect-segv.obj", unique_mesh())
         self.assert_problem(answer, 422, "unreadable-mesh")
+
+    def only_childs_niceness(self):
+        deadline = time.monotonic() + 20
+        while not (pids := self.server.children()) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        while (nice := os.getpriority(os.PRIO_PROCESS, pids[0])) == 0 and time.monotonic() < deadline:
+            time.sleep(0.01)  # not there yet
+        return pids[0], nice
+
+    def test_who_is_waited_for_comes_before_the_jobs(self):
+        answers = []
+        thread = threading.Thread(target=lambda: answers.append(
+            self.server.request("POST", f"{EXECUTION}?filename=inspect-spin.obj", unique_mesh())))
+        thread.start()
+        pid, nice = self.only_childs_niceness()
+        os.kill(pid, signal.SIGKILL)
+        thread.join()
+        self.assertEqual(nice, 5)
+        self.assertEqual(answers[0].status, 422)
+        job = self.server.submit(name="work-3000.obj")["jobID"]
+        self.server.wait(job, until=("running",))
+        self.assertEqual(self.only_childs_niceness()[1], 10)
+        self.server.request("DELETE", f"/api/v1/jobs/{job}")
 
     def test_progress_comes_in_order(self):
         job_id = self.server.submit(name="work-1000.obj")["jobID"]
