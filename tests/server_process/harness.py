@@ -2,6 +2,7 @@
 library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
 import fcntl
 import http.client
+import itertools
 import json
 import os
 import re
@@ -239,12 +240,11 @@ class WorkerRun:
         return re.split("[/:]", self.problem()["type"])[-1] if self.problem() else None
 
 
-_counter = [0]
+_counter = itertools.count(1)  # also for threads
 
 
 def unique_mesh():
-    _counter[0] += 1
-    return TRIANGLE + f"# {os.getpid()} {_counter[0]}\n".encode()
+    return TRIANGLE + f"# {os.getpid()} {next(_counter)}\n".encode()
 
 
 class Contract:
