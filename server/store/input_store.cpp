@@ -77,15 +77,23 @@ InputStore::InputStore(const fs::path& data) : spool_(data / "spool"), folder_(d
   fs::create_directories(folder_);
   for (const fs::directory_entry& entry : fs::directory_iterator(spool_))
     if (entry.path().extension() == ".part") fs::remove(entry.path());
-  // All of them now: a folder made for an upload would have to be synced by each of the uploads that find it
-  // there, also when the server that made it was killed before it could.
-  for (int i = 0; i < 256; ++i) fs::create_directory(folder_ / to_hex(std::string(1, static_cast<char>(i))));
-  for (const fs::path& folder : {folder_, folder_.parent_path(), data}) sync_folder(folder);
+  // The folders must outlive a power cut as well as what is put into them.
+  for (const fs::path& folder : {folder_.parent_path(), data}) sync_folder(folder);
 }
 
 fs::path InputStore::path_of(const std::string& digest) const {
   const std::string hex = to_hex(digest);
   return folder_ / hex.substr(0, 2) / hex;
+}
+
+/// A folder that is there may have been made by an upload of this moment, or by a server that was killed
+/// before it could sync it: only what this process has synced is known to last.
+void InputStore::make_part_folder(const fs::path& folder) {
+  const std::lock_guard lock(mutex_);
+  if (synced_.count(folder) > 0) return;
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) refuse("the upload could not be stored");
+  sync_folder(folder_);
+  synced_.insert(folder);
 }
 
 void InputStore::keep(Upload& upload) {
@@ -94,6 +102,7 @@ void InputStore::keep(Upload& upload) {
     if (errno == ENOSPC || errno == EDQUOT) refuse("the upload could not be stored");
     end_after_storage_failure("fdatasync of an upload");
   }
+  make_part_folder(target.parent_path());
   if (::link(upload.path_.c_str(), target.c_str()) != 0) {
     if (errno != EEXIST) refuse("the upload could not be stored");
     // The same bytes are there already. Fresh again, so that the collector leaves them to the job that comes

@@ -9,12 +9,14 @@ import signal
 import struct
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 from trials import EXECUTION, PROGRAM, Server, Skip, expect, integrity, trial, unique_mesh, until_idle, verify_results
 
 DISK_TRACE = os.environ.get("DISK_TRACE", "")
 ENDED = ("successful", "failed", "dismissed")
 SECTOR = 512
+AT_ONCE = 4  # servers that are started on what is left
 
 
 class Event:
@@ -427,9 +429,14 @@ def power_cuts(figures, long, rng):
         promises, disk = Promises(events), Disk(recording.root)
         moments = cuts(events)
         chosen = set(moments if long else rng.sample(moments, 6) + moments[-1:])
-        for i, event in enumerate(events):
-            disk.replay(event)
-            if i in chosen:
-                for part in (None, rng):
-                    check_what_is_left(disk.left(part), promises.until(i), repeat)
+        checks = []
+        with ThreadPoolExecutor(AT_ONCE) as pool:
+            for i, event in enumerate(events):
+                disk.replay(event)
+                for part in (None, rng) if i in chosen else ():
+                    checks.append(pool.submit(check_what_is_left, disk.left(part), promises.until(i), repeat))
+                    if len(checks) > 2 * AT_ONCE:
+                        checks[-2 * AT_ONCE].result()  # not all the states at once in memory, and stop at a failure
+        for check in checks:
+            check.result()
         figures.put(events=len(events), moments=len(moments), cuts=2 * len(chosen), promises=len(promises.list), broken=0)
