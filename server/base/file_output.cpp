@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
   throw FileError(std::string(what) + " " + path.string() + ": " + std::strerror(errno));
 }
 
+[[noreturn]] void refuse_sync(const fs::path& path) {
+  throw SyncError("cannot sync " + path.string() + ": " + std::strerror(errno));
+}
+
 [[noreturn]] void unreadable(const std::string& what, const fs::path& path) {
   throw Error(ErrorCode::kUnreadableMesh, what, path.string(), "check the path");
 }
@@ -40,7 +44,7 @@ void make_folder(const fs::path& folder) {
 
 void sync_file(const fs::path& path) {
   const Descriptor d(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse("cannot sync", path);
+  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse_sync(path);
 }
 
 }  // namespace
@@ -58,7 +62,7 @@ void make_folder_synced(const fs::path& folder) {
 
 void sync_folder(const fs::path& folder) {
   const Descriptor d(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse("cannot sync the folder", folder);
+  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse_sync(folder);
 }
 
 void sync_tree(const fs::path& root) {
@@ -100,7 +104,7 @@ void write_synced(const fs::path& path, const std::string& content) {
     if (put < 0) refuse("cannot write", path);
     at += static_cast<std::size_t>(put);
   }
-  if (::fsync(d.get()) != 0) refuse("cannot sync", path);
+  if (::fsync(d.get()) != 0) refuse_sync(path);
 }
 
 void write_files(const fs::path& folder, const std::vector<OutputFile>& files) {

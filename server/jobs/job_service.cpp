@@ -30,7 +30,11 @@ api::Problem make_problem(ProblemType type, std::string detail, std::string fix,
 
 /// One server a data folder: the lock is held until the process ends, however it ends.
 Descriptor lock_folder(const fs::path& data) {
-  make_folder_synced(data);
+  try {
+    make_folder_synced(data);
+  } catch (const SyncError& e) {
+    end_after_storage_failure(e.what());
+  }
   Descriptor lock(::open((data / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock.valid())
     throw std::system_error(errno, std::generic_category(), "the data folder " + data.string());

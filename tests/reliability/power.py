@@ -312,7 +312,7 @@ class Order:
         inode = self.events[linked].inode
         written = self.last(linked, lambda e: e.op == "w" and e.inode == inode)
         expect(self.synced(inode, written, linked), "an upload was not synced before it got its name")
-        named = self.last(begun, lambda e: e.op == "w" and job["jobID"].encode() in e.first)
+        named = self.first(-1, begun, lambda e: e.op == "w" and job["jobID"].encode() in e.first)
         expect(named is not None and self.kept(file, begun) < named, "the row was written before the upload was safe")
         expect(self.synced(self.events[named].inode, named, begun), "the row was not synced before the answer")
 
