@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
   throw FileError(std::string(what) + " " + path.string() + ": " + std::strerror(errno));
 }
 
+[[noreturn]] void refuse_sync(const fs::path& path) {
+  throw SyncError("cannot sync " + path.string() + ": " + std::strerror(errno));
+}
+
 [[noreturn]] void unreadable(const std::string& what, const fs::path& path) {
   throw Error(ErrorCode::kUnreadableMesh, what, path.string(), "check the path");
 }
@@ -38,12 +42,38 @@ void make_folder(const fs::path& folder) {
   if (error) throw FileError("cannot make the folder " + folder.string() + ": " + error.message());
 }
 
-void sync_folder(const fs::path& folder) {
-  const Descriptor d(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse("cannot sync the folder", folder);
+void sync_file(const fs::path& path) {
+  const Descriptor d(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse_sync(path);
 }
 
 }  // namespace
+
+void make_folder_synced(const fs::path& folder) {
+  fs::path whole = fs::absolute(folder).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  std::vector<fs::path> names{whole};
+  for (fs::path above = whole.parent_path(); !fs::exists(above); above = above.parent_path())
+    names.push_back(above);
+  make_folder(whole);
+  for (const fs::path& name : names)
+    if (::access(name.parent_path().c_str(), R_OK) == 0) sync_folder(name.parent_path());
+}
+
+void sync_folder(const fs::path& folder) {
+  const Descriptor d(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (d.get() < 0 || ::fsync(d.get()) != 0) refuse_sync(folder);
+}
+
+void sync_tree(const fs::path& root) {
+  sync_folder(root);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.is_directory())
+      sync_folder(entry.path());
+    else
+      sync_file(entry.path());
+  }
+}
 
 std::string read_input_file(const fs::path& path, std::uint64_t limit) {
   const Descriptor d(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -74,7 +104,7 @@ void write_synced(const fs::path& path, const std::string& content) {
     if (put < 0) refuse("cannot write", path);
     at += static_cast<std::size_t>(put);
   }
-  if (::fsync(d.get()) != 0) refuse("cannot sync", path);
+  if (::fsync(d.get()) != 0) refuse_sync(path);
 }
 
 void write_files(const fs::path& folder, const std::vector<OutputFile>& files) {

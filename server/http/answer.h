@@ -42,9 +42,8 @@ struct Answer {
 Answer json_answer(int status, const api::Json& value);
 Answer json_answer(int status, const api::OrderedJson& value);
 Answer text_answer(int status, const std::string& media_type, std::string body);
-/// With the headers that belong to the type (WWW-Authenticate, Retry-After, ...).
-Answer problem_answer(const api::Problem& problem);
-Answer problem_answer(api::ProblemType type, std::string detail, std::string fix = {},
-                      std::string where = {});
+/// With the headers that belong to the type (WWW-Authenticate, Retry-After, ...), and with what usually helps
+/// when the problem does not say it.
+Answer problem_answer(api::Problem problem);
 
 }  // namespace sheetform::server

@@ -44,6 +44,18 @@ api::Problem make_problem(ProblemType type, std::string detail, std::string fix 
   return p;
 }
 
+/// Who sends something where nothing is taken most likely has a mesh.
+api::Problem method_not_allowed(const RequestHead& head, const std::string& allowed) {
+  const bool sends = head.method == "POST" || head.method == "PUT";
+  const bool takes = allowed.find("POST") != std::string::npos;
+  std::string fix;
+  if (sends && takes) fix = "send it by POST, e.g. curl --data-binary @FILE";
+  if (sends && !takes)
+    fix = std::string("send meshes by POST to ") + kApiRoot + "/processes/decompose/execution";
+  return make_problem(ProblemType::kMethodNotAllowed, head.method + " is not allowed here, but " + allowed,
+                      fix);
+}
+
 api::Problem problem_of(const StoreError& error) {
   if (error.kind() == StoreFailure::kFull)
     return make_problem(ProblemType::kDiskFull, "the server's disk is full", "try again later");
@@ -128,8 +140,7 @@ Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) 
     throw Refusal(ProblemType::kNotFound, "there is nothing at this address", "see /api/v1/");
   }
   if (!match.route)
-    return placed(make_problem(ProblemType::kMethodNotAllowed, "allowed here: " + match.allowed), request,
-                  request_id)
+    return placed(method_not_allowed(request.head, match.allowed), request, request_id)
         .with("Allow", match.allowed);
   Principal principal;
   judge_sender(*match.route, request, principal);
@@ -148,7 +159,9 @@ void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, 
                   "this server does not answer for the host " + host_name(head.field("host")),
                   "start it with --public-url for the name it is reached by");
   if (changes_something(head.method) && !origin_allowed(options_.auth, head))
-    throw Refusal(ProblemType::kForbidden, "the request comes from a page of another site");
+    throw Refusal(ProblemType::kForbidden, "the request comes from a page of another site",
+                  "use the page of this server; start it with --public-url when it has a name of its own",
+                  "Origin");
   const std::string token = token_of(head);
   const std::optional<Principal> known = token.empty() ? std::nullopt : gatekeeper_.find(token);
   if (known)

@@ -23,12 +23,19 @@ namespace {
 
 constexpr int kBacklog = 1024;
 constexpr int kTickMilliseconds = 500;
-constexpr std::string_view kShedAnswer =
-    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nRetry-After: 1\r\n"
-    "Content-Length: 125\r\nConnection: close\r\n\r\n"
-    "{\"type\":\"urn:sheetform:problem:overloaded\",\"title\":\"Too many "
-    "connections\",\"status\":503,\"retryable\":true"
-    ",\"detail\":\"try again\"}";
+/// What a connection gets for which there is no thread; made once, for this must be quick.
+const std::string& shed_answer() {
+  static const std::string whole = [] {
+    const std::string body =
+        "{\"type\":\"urn:sheetform:problem:overloaded\",\"title\":\"Too many connections\",\"status\":503,"
+        "\"retryable\":true,\"detail\":\"all threads of the server are busy\",\"fix\":\"try again in a "
+        "second\"}\n";
+    return "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nRetry-After: 1\r\n"
+           "Content-Length: " +
+           std::to_string(body.size()) + "\r\nConnection: close\r\n\r\n" + body;
+  }();
+  return whole;
+}
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -239,7 +246,8 @@ void ConnectionGate::hand_over(int fd, Arrival::Kind kind, std::size_t head_end)
 
 void ConnectionGate::shed_one(Descriptor socket) {
   ++shed_;
-  if (::send(socket.get(), kShedAnswer.data(), kShedAnswer.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) return;
+  const std::string& answer = shed_answer();
+  if (::send(socket.get(), answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) return;
   ::shutdown(socket.get(), SHUT_WR);
 }
 

@@ -4,6 +4,7 @@
 #include "server/base/identity.h"
 #include "server/http/conditional.h"
 #include "server/http/request_head.h"
+#include "server/jobs/refusal.h"
 
 namespace sheetform::server {
 namespace {
@@ -43,6 +44,16 @@ void add_content(Answer& answer, const Download& d, const ByteRange& range) {
   answer.with("Content-Security-Policy", "sandbox; default-src 'none'; style-src 'unsafe-inline'");
 }
 
+Answer no_such_range(const Exchange& x, std::uint64_t bytes) {
+  api::Problem problem;
+  problem.type = ProblemType::kRangeNotSatisfiable;
+  problem.detail = "the file has " + std::to_string(bytes) + " bytes";
+  problem.where = "Range";
+  problem.instance = x.head.path;
+  problem.request_id = x.request_id;
+  return problem_answer(problem).with("Content-Range", "bytes */" + std::to_string(bytes));
+}
+
 }  // namespace
 
 Answer send_download(const Exchange& x, const Download& d) {
@@ -50,7 +61,8 @@ Answer send_download(const Exchange& x, const Download& d) {
   Answer answer;
   switch (check_preconditions(x.head, tag, d.modified.value_or(std::numeric_limits<std::int64_t>::max()))) {
     case Precondition::kFailed:
-      return problem_answer(ProblemType::kPreconditionFailed, "the file is not the one named in If-Match");
+      throw Refusal(ProblemType::kPreconditionFailed, "the file is not the one named in If-Match", {},
+                    "If-Match");
     case Precondition::kNotModified:
       answer.status = 304;
       describe(answer, d, tag);
@@ -59,10 +71,7 @@ Answer send_download(const Exchange& x, const Download& d) {
       break;
   }
   const RangeChoice choice = choose_range(effective_range(x.head, tag), d.bytes);
-  if (choice.kind == RangeChoice::Kind::kUnsatisfiable)
-    return problem_answer(ProblemType::kRangeNotSatisfiable,
-                          "the file has " + std::to_string(d.bytes) + " bytes")
-        .with("Content-Range", "bytes */" + std::to_string(d.bytes));
+  if (choice.kind == RangeChoice::Kind::kUnsatisfiable) return no_such_range(x, d.bytes);
   describe(answer, d, tag);
   const bool part = choice.kind == RangeChoice::Kind::kPart;
   const ByteRange range = part ? choice.range : ByteRange{0, d.bytes == 0 ? 0 : d.bytes - 1};

@@ -122,7 +122,8 @@ std::string multipart_boundary(const std::string& content_type) {
   const bool good = for_each_parameter(content_type, [&](const std::string& name, const std::string& value) {
     if (name == "boundary") boundary = value, ++count;
   });
-  if (!good || count != 1 || boundary.size() > kBoundaryBytes || boundary.back() == ' ') return {};
+  if (!good || count != 1 || boundary.empty() || boundary.size() > kBoundaryBytes || boundary.back() == ' ')
+    return {};
   return std::all_of(boundary.begin(), boundary.end(), is_boundary_char) ? boundary : std::string();
 }
 

@@ -1,4 +1,8 @@
 // Processes and execution.
+#include <unistd.h>
+
+#include <algorithm>
+
 #include "server/base/version.h"
 #include "server/http/api_parts.h"
 #include "server/http/conditional.h"
@@ -39,8 +43,25 @@ std::string wait_as_preferred(const Exchange& x, ApiParts& parts, JobRecord& job
   return "wait=" + std::to_string(seconds);
 }
 
-/// The mesh of a client that was told to send a form (curl -d) has lost its line breaks; that is no fault of
-/// the file.
+/// The beginning of an upload.
+std::string beginning(const Upload& upload) {
+  std::string bytes(std::min<std::uint64_t>(upload.bytes(), 4096), '\0');
+  const ssize_t got = ::pread(upload.descriptor(), bytes.data(), bytes.size(), 0);
+  bytes.resize(got < 0 ? 0 : static_cast<std::size_t>(got));
+  return bytes;
+}
+
+/// curl calls every body a form. Its -d takes the line breaks of a file away, and it goes on without a file
+/// that it does not find; both are no fault of the mesh.
+void explain_curl(const Upload& upload, api::Problem& problem) {
+  if (upload.bytes() == 0) {
+    problem.detail = "the request has no body";
+    problem.fix = "with curl send the file by --data-binary @FILE; is there such a FILE?";
+  } else if (beginning(upload).find_first_of(std::string_view("\n\r\0", 3)) == std::string::npos) {
+    problem.fix = "with curl send the file by --data-binary @FILE; -d takes its line breaks away";
+  }
+}
+
 Submitted submit(const Exchange& x, ApiParts& parts, UploadRequest& request) {
   try {
     return parts.service.submit(*request.upload, request.submission);
@@ -48,7 +69,7 @@ Submitted submit(const Exchange& x, ApiParts& parts, UploadRequest& request) {
     api::Problem p = e.problem();
     if (p.type == api::ProblemType::kUnreadableMesh &&
         x.head.field("content-type").rfind("application/x-www-form-urlencoded", 0) == 0)
-      p.fix = "with curl send the file by --data-binary @FILE; -d takes its line breaks away";
+      explain_curl(*request.upload, p);
     throw Refusal(p);
   }
 }

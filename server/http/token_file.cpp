@@ -99,6 +99,7 @@ void TokenFile::write(const std::vector<TokenRecord>& records) const {
   write_synced(part, api::dump_pretty({{"tokens", tokens}}) + "\n");
   fs::permissions(part, fs::perms::owner_read | fs::perms::owner_write);
   fs::rename(part, path_);
+  sync_folder(path_.parent_path());  // a token that was taken away stays away
 }
 
 std::string TokenFile::add(const std::string& name, const std::string& scopes) {

@@ -179,7 +179,9 @@ class Form {
 
 std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Details& details) {
   const std::string boundary = multipart_boundary(exchange.head.field("content-type"));
-  if (boundary.empty()) refuse_body("the boundary of the form is missing or wrong", "Content-Type");
+  if (boundary.empty())
+    refuse_body("the boundary of the form is missing or wrong", "Content-Type",
+                "let the client write Content-Type itself, e.g. curl -F mesh=@lamp.stl");
   Form form(service, details);
   MultipartReader reader(boundary, {[&](const PartHead& part) { form.begin(part); },
                                     [&](std::string_view bytes) { form.data(bytes); }, [&] { form.end(); }});

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "server/base/log.h"
+#include "server/jobs/refusal.h"
 
 namespace sheetform::server {
 namespace {
@@ -123,7 +124,11 @@ std::vector<StoredOutput> store_outputs(const RunnerParts& parts, int folder,
     std::uint64_t bytes = 0;
     const Descriptor descriptor = open_output(folder, file.name, bytes);
     total += bytes;
-    if (total > parts.limits.result_bytes) throw std::runtime_error("the result is too large");
+    if (total > parts.limits.result_bytes)
+      throw Refusal(api::ProblemType::kMeshLimitExceeded,
+                    "the files of the result have more than " +
+                        std::to_string(parts.limits.result_bytes >> 20) + " MiB",
+                    "raise e_max or simplify the mesh, so that there are fewer strips", file.name);
     stored.push_back({file.name, file.media_type, parts.blobs.put_file(descriptor.get(), bytes),
                       static_cast<std::int64_t>(bytes)});
   }
@@ -192,11 +197,16 @@ Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, in
       verdict.counted_as = Requeue::kInterruption;
       return verdict;
     }
+  } catch (const Refusal& e) {
+    verdict.action = Verdict::Action::kFail;
+    verdict.outcome = "failed";
+    verdict.problem = e.problem();
   } catch (const std::runtime_error& e) {
     verdict.action = Verdict::Action::kFail;
     verdict.outcome = "failed";
     verdict.problem.type = api::ProblemType::kAlgorithmFailed;
     verdict.problem.detail = e.what();
+    verdict.problem.fix = "please report this mesh; other parameters may avoid it";
   }
   return verdict;
 }

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <thread>
 
+#include "server/base/file_output.h"
 #include "server/base/identity.h"
 #include "server/base/log.h"
 #include "server/base/version.h"
@@ -29,7 +30,11 @@ api::Problem make_problem(ProblemType type, std::string detail, std::string fix,
 
 /// One server a data folder: the lock is held until the process ends, however it ends.
 Descriptor lock_folder(const fs::path& data) {
-  fs::create_directories(data);
+  try {
+    make_folder_synced(data);
+  } catch (const SyncError& e) {
+    end_after_storage_failure(e.what());
+  }
   Descriptor lock(::open((data / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock.valid())
     throw std::system_error(errno, std::generic_category(), "the data folder " + data.string());
@@ -302,7 +307,8 @@ JobRecord JobService::dismiss(const JobRecord& job) {
 JobRecord JobService::retry(const JobRecord& job) {
   if (!jobs_.retry(job.id, now_us() + options_.limits.keep_results))
     throw Refusal(ProblemType::kConflict, std::string("the job is ") + api::to_string(job.state),
-                  "only failed and dismissed jobs can be run again");
+                  "only failed and dismissed jobs can be run again; to compute anew, send the mesh with "
+                  "cache=refresh");
   bus_.publish(job.id);
   pool_.wake();
   return *jobs_.find(job.id);

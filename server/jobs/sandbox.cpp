@@ -197,6 +197,10 @@ bool can_write_below(int folder) {
 
 }  // namespace
 
+SandboxLimits limits_of(const WorkerRequest& request) {
+  return {request.memory, request.file_bytes, request.cpu_seconds, request.mode != WorkerMode::kDecompose};
+}
+
 void lower_process(const SandboxLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() == 1 && ::getpid() != 1) ::_exit(70);  // the parent died before the line above
@@ -207,7 +211,7 @@ void lower_process(const SandboxLimits& limits) {
   if (limits.file_bytes > 0) limit(RLIMIT_FSIZE, limits.file_bytes);
   if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.cpu_seconds));
   ::signal(SIGXFSZ, SIG_IGN);  // writes past the limit fail with EFBIG instead
-  ::setpriority(PRIO_PROCESS, 0, 10);
+  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + (limits.awaited ? 5 : 10));
   constexpr int kBestEffort = 2 << 13;
   ::syscall(SYS_ioprio_set, 1, 0, kBestEffort | 7);
   offer_to_oom_killer();

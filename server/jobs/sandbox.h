@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "server/jobs/worker_protocol.h"
 #include "sheetform_api/json_text.h"
 
 namespace sheetform::server {
@@ -11,7 +12,11 @@ struct SandboxLimits {
   std::uint64_t memory = 0;      ///< bytes of address space; 0: no limit
   std::uint64_t file_bytes = 0;  ///< largest file; 0: no limit
   int cpu_seconds = 0;           ///< 0: no limit
+  bool awaited = false;  ///< a client waits for it: before the jobs, but still after the server itself
 };
+
+/// What a request asks for. Reading and exporting are awaited, jobs are not.
+SandboxLimits limits_of(const WorkerRequest& request);
 
 /// Limits, low priority, no core dumps, dies with its parent. Cannot fail in a way that matters.
 void lower_process(const SandboxLimits& limits);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,10 +72,21 @@ class MappedInput {
   std::size_t size_ = 0;
 };
 
+/// A file that may not become so large: no fault of the disk, so another try would not help.
+[[noreturn]] void refuse_size(const OutputFile& file) {
+  struct rlimit limit {};
+  ::getrlimit(RLIMIT_FSIZE, &limit);
+  throw Error(ErrorCode::kLimitExceeded,
+              "a file of the result would have " + std::to_string(file.content.size()) +
+                  " bytes, the limit is " + std::to_string(limit.rlim_cur) + " bytes",
+              file.name, "raise e_max or simplify the mesh, so that there are fewer strips");
+}
+
 void write_all(int fd, const OutputFile& file) {
   for (std::size_t at = 0; at < file.content.size();) {
     const ssize_t put = ::write(fd, file.content.data() + at, file.content.size() - at);
     if (put < 0 && errno == EINTR) continue;
+    if (put < 0 && errno == EFBIG) refuse_size(file);
     if (put < 0) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
     at += static_cast<std::size_t>(put);
   }
@@ -153,7 +165,7 @@ void probe_job(const SandboxState& state) {
 }
 
 void run_request(const WorkerRequest& request) {
-  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
+  lower_process(limits_of(request));
   const SandboxState state = request.sandbox ? close_in(kFolderDescriptor) : SandboxState{};
   switch (request.mode) {
     case WorkerMode::kDecompose:

@@ -171,13 +171,14 @@ bool is_empty_folder(const fs::path& path) { return !fs::exists(path) || fs::is_
 BackupSummary make_backup(const fs::path& data, const fs::path& target) {
   if (!fs::exists(data / kMetadata)) refuse(data.string() + " is no data folder of sheetform");
   if (!is_empty_folder(target)) refuse("the folder " + target.string() + " is not empty");
-  fs::create_directories(target);
+  make_folder_synced(target);
   for (int i = 0; i < kTries; ++i) {
     const Named named = copy_once(data, target);
     // Something may have been removed between the copies; then all is copied again.
     if (what_is_missing(target, named, false)) continue;
     if (fs::exists(data / kTokens)) fs::copy_file(data / kTokens, target / kTokens);
     write_manifest(target);
+    sync_tree(target);
     return summary_of(named);
   }
   refuse("the store changed too fast to be copied; try again");
@@ -196,7 +197,7 @@ BackupSummary restore_backup(const fs::path& backup, const fs::path& data) {
   if (!is_empty_folder(data))
     refuse("the folder " + data.string() + " is not empty; move its content away first");
   const BackupSummary summary = verify_backup(backup);
-  fs::create_directories(data);
+  make_folder_synced(data);
   for (const char* name : {kMetadata, kBlobs, kTokens})
     if (fs::exists(backup / name)) fs::copy_file(backup / name, data / name);
   // Copies, not links: the backup stays whole whatever happens to the store.
@@ -205,6 +206,7 @@ BackupSummary restore_backup(const fs::path& backup, const fs::path& data) {
     fs::create_directories(input_path(data, digest).parent_path());
     fs::copy_file(input_path(backup, digest), input_path(data, digest));
   }
+  sync_tree(data);
   return summary;
 }
 

@@ -86,13 +86,23 @@ fs::path InputStore::path_of(const std::string& digest) const {
   return folder_ / hex.substr(0, 2) / hex;
 }
 
+/// A folder that is there may have been made by an upload of this moment, or by a server that was killed
+/// before it could sync it: only what this process has synced is known to last.
+void InputStore::make_part_folder(const fs::path& folder) {
+  const std::lock_guard lock(mutex_);
+  if (synced_.count(folder) > 0) return;
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) refuse("the upload could not be stored");
+  sync_folder(folder_);
+  synced_.insert(folder);
+}
+
 void InputStore::keep(Upload& upload) {
   const fs::path target = path_of(upload.finish());
   if (::fdatasync(upload.file_.get()) != 0) {
     if (errno == ENOSPC || errno == EDQUOT) refuse("the upload could not be stored");
     end_after_storage_failure("fdatasync of an upload");
   }
-  if (::mkdir(target.parent_path().c_str(), 0700) == 0) sync_folder(folder_);
+  make_part_folder(target.parent_path());
   if (::link(upload.path_.c_str(), target.c_str()) != 0) {
     if (errno != EEXIST) refuse("the upload could not be stored");
     // The same bytes are there already. Fresh again, so that the collector leaves them to the job that comes

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,7 +54,11 @@ class InputStore {
 
  private:
   std::filesystem::path path_of(const std::string& digest) const;
+  void make_part_folder(const std::filesystem::path& folder);
+
   std::filesystem::path spool_, folder_;
+  std::mutex mutex_;
+  std::set<std::filesystem::path> synced_;  ///< folders whose names this process has synced
 };
 
 }  // namespace sheetform::server

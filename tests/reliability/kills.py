@@ -2,15 +2,17 @@
 import hashlib
 import http.client
 import os
+import random
 import signal
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, all_jobs, expect, integrity, trial, unique_mesh, until_idle,
-                    verify_results)
+from trials import (EXECUTION, FaultyServer, Server, all_jobs, expect, in_threads, integrity, percentile, trial,
+                    unique_mesh, until_idle, verify_results)
 
 
 LONG_KILLS = 2000  # reliability.py --kills
+LONG_SERVERS = 4   # at the same time, each with its own folder: most of the time they wait for their disk
 
 
 class Submitters:
@@ -51,8 +53,8 @@ class Submitters:
             t.join()
 
 
-def verify_acknowledged(server, acknowledged, figures, files=True):
-    """P1 to P4 of every acknowledged job."""
+def verify_acknowledged(server, acknowledged):
+    """P1 to P4 of every acknowledged job; how many there were."""
     until_idle(server, 60 + len(acknowledged))
     jobs = all_jobs(server)
     lost = [i for i in acknowledged if i not in jobs]
@@ -61,19 +63,19 @@ def verify_acknowledged(server, acknowledged, figures, files=True):
         job = jobs[job_id]
         expect(job["status"] == "successful", f"{job_id} is {job['status']}: {job.get('exception')}")
         expect(job["inputs"]["mesh"]["sha256"] == digest, f"{job_id} has another mesh")
-        if files:
-            body = server.request("GET", f"/api/v1/jobs/{job_id}/input", check=False).body
-            expect(hashlib.sha256(body).hexdigest() == digest, f"the upload of {job_id} is damaged")
-            expect(verify_results(server, job_id) == 3, f"the result of {job_id} is not complete")
-    figures.put(acknowledged=len(acknowledged), lost=0, jobs=len(jobs), unacknowledged=len(jobs) - len(acknowledged),
-                started_again=sum(job["attempt"] - 1 for job in jobs.values()))
+        body = server.request("GET", f"/api/v1/jobs/{job_id}/input", check=False).body
+        expect(hashlib.sha256(body).hexdigest() == digest, f"the upload of {job_id} is damaged")
+        expect(verify_results(server, job_id) == 3, f"the result of {job_id} is not complete")
+    return {"acknowledged": len(acknowledged), "lost": 0, "jobs": len(jobs),
+            "unacknowledged": len(jobs) - len(acknowledged),
+            "started_again": sum(job["attempt"] - 1 for job in jobs.values())}
 
 
-@trial("T1", "kill -9 at random moments: nothing acknowledged is lost")
-def kill_loop(figures, long, rng):
-    kills, ready = (LONG_KILLS if long else 10), []
+def kill_one_server(kills, pause, rng):
+    """Kills a server again and again; what was verified, and the seconds that each start took."""
+    ready = []
     with Server("--slots", "2", "--quiet") as server:
-        with Submitters(server, 4, 0.2 if long else 0.01) as submitters:
+        with Submitters(server, 4, pause) as submitters:
             for _ in range(kills):
                 if rng.random() < 0.7:  # on a slow machine a server would else be killed before it can do anything
                     submitters.wait_for_one(5)
@@ -83,10 +85,20 @@ def kill_loop(figures, long, rng):
                 server.start()
                 ready.append(time.monotonic() - begun)
         expect(submitters.acknowledged, "the server acknowledged nothing")
-        verify_acknowledged(server, submitters.acknowledged, figures)
+        verified = verify_acknowledged(server, submitters.acknowledged)
         server.stop()
         integrity(server.data)
-    figures.put(kills=kills, ready_median=sorted(ready)[kills // 2], ready_worst=max(ready))
+    return verified, ready
+
+
+@trial("T1", "kill -9 at random moments: nothing acknowledged is lost")
+def kill_loop(figures, long, rng):
+    kills, servers = (LONG_KILLS, LONG_SERVERS) if long else (10, 1)
+    seeds = [random.Random(rng.random()) for _ in range(servers)]
+    told = in_threads(servers, lambda i: kill_one_server(kills // servers, 0.2 if long else 0.01, seeds[i]))
+    ready = sorted(seconds for _, list_of_one in told for seconds in list_of_one)
+    figures.put(kills=len(ready), servers=servers, ready_median=percentile(ready, 0.5), ready_worst=ready[-1])
+    figures.put(**{name: sum(verified[name] for verified, _ in told) for name in told[0][0]})
 
 
 def session(server, count):
@@ -136,7 +148,7 @@ def failing_syncs(figures, long, rng):
             server.stop(signal.SIGKILL)
             server.healthy()
             server.start()
-            verify_acknowledged(server, acknowledged, figures)
+            verify_acknowledged(server, acknowledged)
             server.stop()
             integrity(server.data)
             total += len(acknowledged)

@@ -4,8 +4,9 @@
     reliability.py [--short] [--only T1 T7 ...] [--seed N] [--kills N] [--report FILE]
 
 The long form takes about an hour on two cores; --short is the part of it that the default tests run. In the long form a
-missed bar (a promise about time or memory) is a failure too. Needs SHEETFORM, FAKE_WORKER and IO_FAULTS in the
-environment (the programs and the library that the build makes); IO_FAULTS may be empty, its trials are skipped then.
+missed bar (a promise about time or memory) is a failure too. Needs SHEETFORM, FAKE_WORKER, IO_FAULTS and
+DISK_TRACE in the environment (the programs and libraries that the build makes); the last two may be empty, their trials
+are skipped then.
 """
 import argparse
 import json
@@ -15,8 +16,10 @@ import sys
 import time
 import traceback
 
+import bombs  # noqa: F401
 import crowds  # noqa: F401
 import kills
+import power  # noqa: F401
 import streams  # noqa: F401
 from trials import TRIALS, Figures, Skip, seeded
 

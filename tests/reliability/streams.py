@@ -6,7 +6,7 @@ import socket
 import threading
 import time
 
-from trials import EXECUTION, Server, expect, in_threads, trial, unique_mesh
+from trials import EXECUTION, Server, expect, in_threads, latencies, percentile, trial, unique_mesh
 
 
 def stream(server, path, last_id=None, most_seconds=60):
@@ -106,12 +106,18 @@ def many_streams(figures, long, rng):
     count = 190 if long else 30
     with Server("--slots", "1", "--quiet") as server:
         memory = server.memory()
-        job_id = server.submit(name="work-1500.obj")["jobID"]
-        peak = []
-        timer = threading.Timer(1, lambda: peak.append(server.memory()))
-        timer.start()
-        told = in_threads(count, lambda i: stream(server, f"/api/v1/jobs/{job_id}/events"))
-        timer.join()
+        job_id = server.submit(name="work-5000.obj" if long else "work-1500.obj")["jobID"]
+        told, peak, times = [], [], []
+        crowd = threading.Thread(target=lambda: told.extend(
+            in_threads(count, lambda i: stream(server, f"/api/v1/jobs/{job_id}/events"))))
+        crowd.start()
+        time.sleep(1)
+        peak.append(server.memory())
+        times += latencies(server.port, "/api/v1/jobs", 200 if long else 10)
+        crowd.join()
+        expect(len(told) == count, "a stream could not be read")
+        figures.put(beside_p50=percentile(times, 0.5))
+        figures.bar("beside_p99", percentile(times, 0.99), most=0.05)
         kept = {tuple(int(number) for number, _, _ in events if number) for events in told}
         expect(len(kept) == 1, f"the streams tell {len(kept)} different stories")
         expect(all(events[-1][2]["status"] == "successful" for events in told), "a stream ended early")

@@ -16,6 +16,17 @@
 #include "server/jobs/sandbox.h"
 #include "server/jobs/worker_protocol.h"
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// The ways to die are meant; a sanitizer is to report none of them, and its memory cannot be limited.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() { return "handle_segv=0:handle_abort=0"; }
+extern "C" const char* __tsan_default_options();
+extern "C" const char* __tsan_default_options() { return "handle_segv=0:handle_abort=0"; }
+constexpr bool kMemoryHasLimits = false;
+#else
+constexpr bool kMemoryHasLimits = true;
+#endif
+
 namespace sheetform::server {
 namespace {
 
@@ -66,6 +77,7 @@ void work(int milliseconds) {
 }
 
 void use_up_memory() {
+  if (!kMemoryHasLimits) ::_exit(71);
   std::vector<std::string> hoard;
   try {
     for (;;) hoard.emplace_back(std::size_t{64} << 20, 'x');
@@ -113,6 +125,23 @@ void talk_nonsense() {
   work(50);
 }
 
+/// More than a result may have, in two files of which each alone would do.
+void write_too_much() {
+  const std::string block(std::size_t{1} << 20, 'x');
+  for (const char* name : {"one.bin", "two.bin"}) {
+    const int fd = ::openat(kFolderDescriptor, name, O_WRONLY | O_CREAT, 0600);
+    for (int i = 0; i < 200; ++i)
+      if (::write(fd, block.data(), block.size()) < 0) ::_exit(74);
+    ::close(fd);
+  }
+  tell_result({{"one.bin", "application/octet-stream"}, {"two.bin", "application/octet-stream"}});
+}
+
+/// Leaves a process behind and ends as if all were well (the sandbox of the real one forbids it).
+void leave_a_child() {
+  if (::fork() == 0) sleep_deaf();
+}
+
 const std::map<std::string, std::function<void()>> kWays{
     {"segv", [] { progress(0.3, "trace"), ::raise(SIGSEGV); }},
     {"abort", [] { std::abort(); }},
@@ -122,6 +151,8 @@ const std::map<std::string, std::function<void()>> kWays{
     {"spin", spin},
     {"deaf", sleep_deaf},
     {"flood", flood},
+    {"fork", leave_a_child},
+    {"huge", write_too_much},
     {"nothing", [] {}},
     {"missing",
      [] {
@@ -177,7 +208,7 @@ void inspect(const WorkerRequest& request) {
 int main() {
   using namespace sheetform::server;
   const WorkerRequest request = worker_request_from(read_request());
-  lower_process({request.memory, request.file_bytes, request.cpu_seconds});
+  lower_process(limits_of(request));
   if (request.mode == WorkerMode::kInspect)
     inspect(request);
   else

@@ -1,6 +1,8 @@
 """A real server process for the tests: started on a free port with a fresh data folder, spoken to by the standard
 library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
+import fcntl
 import http.client
+import itertools
 import json
 import os
 import re
@@ -65,7 +67,7 @@ class Server:
         self.start(wait)
 
     def start(self, wait=True):
-        self.log = open(os.path.join(self.data, "..", os.path.basename(self.data) + ".log"), "ab")
+        self.log = open(self.data + ".log", "ab")
         begin = self.log.tell()
         listen = next((o for i, o in enumerate(self.options) if self.options[i - 1] == "--listen"), None)
         options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
@@ -189,17 +191,62 @@ class Server:
         return [int(p) for p in listed.stdout.split()]
 
     def memory(self):
-        """Resident bytes of the server."""
+        """Resident bytes of the server; 0 when most of them are a sanitizer's."""
+        if os.environ.get("SHEETFORM_SANITIZED"):
+            return 0
         with open(f"/proc/{self.process.pid}/status") as f:
             return int(re.search(r"VmRSS:\s+(\d+)", f.read()).group(1)) * 1024
 
 
-_counter = [0]
+def default_parameters():
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "proto", "schemas", "parameters.schema.json")
+    with open(path) as f:
+        properties = json.load(f)["properties"]
+    return {name: definition["default"] for name, definition in properties.items() if "default" in definition}
+
+
+class WorkerRun:
+    """The real process of one job without a server: what it said, how it ended, what it used. mode: "inspect", or
+    "decompose" into `folder`."""
+
+    def __init__(self, mode, mesh, name="mesh", folder="/dev/null", timeout=60, **request):
+        asked = {"mode": mode, "name": name, "parameters": default_parameters(), "threads": 1, "memory": 1 << 32, "fileBytes": 1 << 28,
+                 "cpuSeconds": timeout, "sandbox": True, **request}
+        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as question, tempfile.TemporaryFile() as told:
+            given.write(mesh), question.write(json.dumps(asked).encode())
+            for file in (given, question):
+                file.flush(), file.seek(0)
+            place = os.open(folder, os.O_RDONLY)
+            numbers = [given.fileno(), place, told.fileno(), question.fileno()]  # become 3, 4, 5 and 6
+
+            def put_in_place():
+                copies = [fcntl.fcntl(n, fcntl.F_DUPFD, 20) for n in numbers]
+                for i, copy in enumerate(copies):
+                    os.dup2(copy, 3 + i)
+            begun = time.monotonic()
+            process = subprocess.Popen([PROGRAM, "worker"], preexec_fn=put_in_place, close_fds=False,
+                                       stderr=subprocess.DEVNULL, env={"MALLOC_ARENA_MAX": "2"})
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.seconds, self.memory = time.monotonic() - begun, usage.ru_maxrss * 1024
+            self.status = process.returncode
+            os.close(place)
+            told.seek(0)
+            self.told = [json.loads(line) for line in told.read().splitlines()]
+
+    def problem(self):
+        """The problem it told, or None."""
+        return next((line["problem"] for line in self.told if "problem" in line), None)
+
+    def slug(self):
+        return re.split("[/:]", self.problem()["type"])[-1] if self.problem() else None
+
+
+_counter = itertools.count(1)  # also for threads
 
 
 def unique_mesh():
-    _counter[0] += 1
-    return TRIANGLE + f"# {os.getpid()} {_counter[0]}\n".encode()
+    return TRIANGLE + f"# {os.getpid()} {next(_counter)}\n".encode()
 
 
 class Contract:
@@ -219,6 +266,9 @@ class Contract:
         return None
 
     def check(self, method, path, answer):
+        if answer.headers.get("Content-Type") == "application/problem+json" and method != "HEAD":
+            for member in ("title", "detail", "fix", "requestId"):  # what, where, how to mend it, which one
+                assert answer.json().get(member), f"{method} {path} -> {answer.status}: no {member} in {answer.body[:300]}"
         operation = self.operation(method, path)
         if operation is None:
             return

@@ -1,5 +1,6 @@
 """Malformed and hostile HTTP, byte for byte: each row of what the stock library gets wrong, and more. A request is
 answered with the right status or the connection ends; the server lives on."""
+import json
 import random
 import re
 import socket
@@ -152,6 +153,9 @@ class Malformed(ServerCase):
                 received = self.server.raw(data, close_write=expected is None)
                 self.assertEqual(status_of(received), expected, received[:300])
                 self.assertLessEqual(len(re.findall(rb"HTTP/1\.1 [1-5]\d\d ", received)), 1, "more than one answer")
+                if (expected or 0) >= 400:
+                    problem = json.loads(received.split(b"\r\n\r\n", 1)[1])
+                    self.assertTrue(problem["detail"] and problem["fix"], problem)
                 self.assertIsNone(self.server.process.poll())
         self.assertEqual(self.server.get("/healthz").status, 200)
 
@@ -293,6 +297,28 @@ class Slow(ServerCase):
             readers.append(s)
         self.assertLess(self.worst_of(), 3)
         self.assertEqual((len(uploads), len(readers)), (32, 64))
+
+    def test_more_uploads_than_threads_are_told_to_come_again(self):
+        def problem():
+            received = self.server.raw(OK)
+            if status_of(received) == 200:
+                return None
+            header, body = received.split(b"\r\n\r\n", 1)
+            self.assertEqual(int(re.search(rb"Content-Length: (\d+)", header).group(1)), len(body))
+            self.assertIn(b"Retry-After: 1", header)
+            return json.loads(body)
+        uploads = [self.open(POST + b"Content-Length: 100000\r\n\r\nv 0 ") for _ in range(520)]
+        deadline = time.monotonic() + 20
+        while (told := problem()) is None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertEqual((told["status"], told["type"]), (503, "urn:sheetform:problem:overloaded"))
+        self.assertTrue(told["detail"] and told["fix"])
+        for s in uploads:
+            s.close()
+        deadline = time.monotonic() + 20
+        while problem() is not None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertIsNone(problem(), "the server does not recover")
 
     def test_a_head_that_does_not_come_is_given_up(self):
         s = self.open(b"GET /healthz HTTP/1.1\r\nHost: loc")

@@ -1,10 +1,13 @@
 """Supervision: every way in which a job's process can go wrong, cancel, limits, the queue."""
 import os
 import random
+import signal
+import tempfile
 import threading
 import time
+import unittest
 
-from harness import EXECUTION, Server, ServerCase, main, unique_mesh
+from harness import EXECUTION, Server, ServerCase, WorkerRun, arc, main, unique_mesh
 
 MISBEHAVIOUR = [  # way, kind of problem, starts
     ("memory", "memory-limit", 1),
@@ -17,6 +20,7 @@ MISBEHAVIOUR = [  # way, kind of problem, starts
     ("twice", "algorithm-failed", 1),
     ("none", "algorithm-failed", 1),
     ("flood", "algorithm-failed", 1),
+    ("fork", "algorithm-failed", 1),
     ("long-line", "algorithm-failed", 1),
     ("segv", "worker-crashed", 3),
     ("kill", "memory-limit", 3),
@@ -37,6 +41,7 @@ class Misbehaviour(ServerCase):
                 job = self.server.wait(job_id, timeout=200)
                 self.assertEqual(job["status"], "failed", job)
                 self.assertTrue(job["exception"]["type"].endswith(slug), job["exception"])
+                self.assertTrue(job["exception"]["detail"] and job["exception"]["fix"], job["exception"])
                 self.assertEqual(job["attempt"], starts)
                 self.assertNotIn("report", job)
         for job_id in good:
@@ -58,6 +63,30 @@ class Misbehaviour(ServerCase):
         answer = self.server.request("POST", f"{EXECUTION}?filename=inspect-segv.obj", unique_mesh())
         self.assert_problem(answer, 422, "unreadable-mesh")
 
+    def only_childs_niceness(self):
+        deadline = time.monotonic() + 20
+        while not (pids := self.server.children()) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        own = os.getpriority(os.PRIO_PROCESS, self.server.process.pid)
+        while (nice := os.getpriority(os.PRIO_PROCESS, pids[0])) == own and time.monotonic() < deadline:
+            time.sleep(0.01)  # not there yet
+        return pids[0], nice - own
+
+    def test_who_is_waited_for_comes_before_the_jobs(self):
+        answers = []
+        thread = threading.Thread(target=lambda: answers.append(
+            self.server.request("POST", f"{EXECUTION}?filename=inspect-spin.obj", unique_mesh())))
+        thread.start()
+        pid, nice = self.only_childs_niceness()
+        os.kill(pid, signal.SIGKILL)
+        thread.join()
+        self.assertEqual(nice, 5)
+        self.assertEqual(answers[0].status, 422)
+        job = self.server.submit(name="work-3000.obj")["jobID"]
+        self.server.wait(job, until=("running",))
+        self.assertEqual(self.only_childs_niceness()[1], 10)
+        self.server.request("DELETE", f"/api/v1/jobs/{job}")
+
     def test_progress_comes_in_order(self):
         job_id = self.server.submit(name="work-1000.obj")["jobID"]
         seen = []
@@ -71,6 +100,23 @@ class Misbehaviour(ServerCase):
         self.assertEqual(seen, sorted(seen))
         self.assertGreater(len(set(seen)), 8)
         self.assertEqual(job["progress"], 100)
+
+
+class TheRealProcess(unittest.TestCase):
+    """The job's own process, without a server."""
+
+    def test_a_result_that_is_too_large_is_told_at_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = WorkerRun("decompose", arc(), name="arc.obj", folder=folder, fileBytes=1000)
+        self.assertEqual((run.status, run.slug()), (65, "limit-exceeded"), run.told)
+        self.assertIn("1000 bytes", run.problem()["detail"])
+        self.assertTrue(run.problem()["where"] and run.problem()["fix"])
+
+    def test_a_result_that_fits_is_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = WorkerRun("decompose", arc(), name="arc.obj", folder=folder)
+            self.assertIn("layout.svg", os.listdir(folder))
+        self.assertEqual((run.status, run.problem()), (0, None))
 
 
 class Cancel(ServerCase):

@@ -64,6 +64,19 @@ class BadMeshes(ServerCase):
                 self.assertFalse(problem["retryable"])
                 self.assertLess(time.monotonic() - begun, 5)
 
+    def test_what_curl_does_wrong_is_told_as_such(self):
+        form = {"Content-Type": "application/x-www-form-urlencoded"}  # what curl calls every body
+        answer = self.server.request("POST", EXECUTION, arc(3, 2).replace(b"\n", b""), form)
+        self.assertIn("--data-binary", answer.json()["fix"])
+        answer = self.server.request("POST", EXECUTION, arc(3, 2).replace(b"f", b"q"), form)
+        self.assertNotIn("--data-binary", answer.json()["fix"], "the line breaks are all there")
+        answer = self.server.request("POST", EXECUTION, b"", form)
+        self.assertIn("no body", answer.json()["detail"])
+        answer = self.server.request("PUT", EXECUTION, arc(3, 2))  # curl -T
+        self.assertIn("POST", answer.json()["fix"])
+        answer = self.server.request("POST", "/api/v1/jobs", arc(3, 2))
+        self.assertIn("/api/v1/processes/decompose/execution", answer.json()["fix"])
+
     def test_no_file_is_opened_for_a_mesh(self):
         mesh = b"mtllib /dev/zero\nmtllib ../../etc/passwd\n" + arc(3, 2)
         job = self.server.submit(mesh, name="m.obj")

@@ -42,7 +42,7 @@ class Restart(unittest.TestCase):
     def test_queued_and_running_jobs_survive_kill_9(self):
         with Server("--slots", "1") as server:
             done = server.wait(server.submit()["jobID"])
-            running = server.submit(name="work-1500.obj")["jobID"]
+            running = server.submit(name="work-4000.obj")["jobID"]
             server.wait(running, until=("running",))
             queued = [server.submit()["jobID"] for _ in range(5)]
             gone = server.submit()["jobID"]
