@@ -1,6 +1,7 @@
 #include "sheetform/search/full_shape.h"
 
 #include "sheetform/morph/full_morph.h"
+#include "sheetform/search/plane_join.h"
 
 namespace sheetform {
 namespace {
@@ -26,7 +27,7 @@ std::vector<Vector3> full_morph_places(const SearchSurface& surface, const Patch
                                        const LayoutEvaluation& evaluation, double spacing,
                                        const std::vector<char>& keep, const RunContext& context) {
   std::vector<std::vector<double>> samples;
-  for (const Arch& a : layout.arches) samples.push_back(sample_arch(surface.mesh, a, spacing));
+  for (const Arch& a : layout.arches) samples.push_back(outline_samples(surface, a, spacing));
   std::vector<RuledPatch> ruled(layout.patches.size());
   for (std::size_t p = 0; p < ruled.size(); ++p) {
     const PatchEvaluation& e = *evaluation.patches[p];

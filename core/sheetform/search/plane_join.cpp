@@ -36,7 +36,7 @@ bool turns(const Vector2& out, const Vector2& segment, double limit) {
 
 std::vector<double> outline_samples(const SearchSurface& surface, const Arch& arch, double spacing) {
   if (surface.is_straight(arch)) return {0, static_cast<double>(arch.edges.size())};
-  return sample_arch(surface.mesh, arch, spacing);
+  return sample_arch(surface.mesh, arch, surface.spacing.divide(arch.length, spacing));
 }
 
 bool fits_its_image(const SearchSurface& surface, const PatchLayout& layout, const Patch& patch,
