@@ -1,6 +1,5 @@
 #include "sheetform_api/job.h"
 
-#include <charconv>
 #include <cmath>
 
 namespace sheetform::api {
@@ -9,11 +8,6 @@ namespace {
 constexpr const char* kResultsRel = "http://www.opengis.net/def/rel/ogc/1.0/results";
 constexpr const char* kExceptionsRel = "http://www.opengis.net/def/rel/ogc/1.0/exceptions";
 constexpr std::array<const char*, 5> kStates{"accepted", "running", "successful", "failed", "dismissed"};
-
-std::string number_text(double value) {
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
-}
 
 double extent(const MeshInfo& m, std::size_t axis) { return m.box_max[axis] - m.box_min[axis]; }
 

@@ -42,6 +42,8 @@ bool is_raw_mesh(const std::string& type) {
 /// What a request says besides the mesh, however it says it. Each thing may be said once.
 class Details {
  public:
+  explicit Details(std::string process) : process_(std::move(process)) {}
+
   void take_text(const std::string& name, const std::string& value) {
     if (name == "tag") return take_tag(value);
     if (name == "filename") return void(name_ = display_name(value));
@@ -49,7 +51,7 @@ class Details {
     const api::ParameterDefinition* d = api::find_parameter(name);
     if (d == nullptr)
       throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
-                    "there are " + all_names() + "; see /api/v1/processes/decompose", name.substr(0, 60));
+                    "there are " + all_names() + "; see /api/v1/processes/" + process_, name.substr(0, 60));
     take_value(name, parameter_value(*d, value));
   }
   void take_json(const api::Json& parameters) {
@@ -64,24 +66,32 @@ class Details {
     if (name_.empty()) name_ = display_name(name);
   }
 
+  /// Refuses what is wrong already; of what is missing, only what cannot come with the body any more.
+  void check(bool more_to_come) const {
+    if (!more_to_come || !sweep() || values_.contains(api::kTolerance)) (void)submission();
+  }
   Submission submission() const {
     Submission s;
+    s.process = process_;
     s.name = name_;
     s.tag = tag_;
     s.refresh = refresh_;
-    s.parameters = understood_parameters(values_);
+    s.parameters = sweep() ? understood_sweep_parameters(values_) : understood_parameters(values_);
     return s;
   }
 
  private:
-  static std::string all_names() {
+  bool sweep() const { return process_ == api::kSweep; }
+  std::string all_names() const {
     std::string names = "tag, filename, cache";
-    for (const api::ParameterDefinition& d : api::parameter_definitions()) names += ", " + d.name;
+    for (const api::ParameterDefinition& d : api::parameter_definitions())
+      if (!sweep() || api::is_sweep_parameter(d.name)) names += ", " + d.name;
     return names;
   }
-  static api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) {
+  api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) const {
     try {
-      return api::parameter_from_text(d, text);
+      return sweep() && d.name == api::kTolerance ? api::sweep_tolerances_from_text(text)
+                                                  : api::parameter_from_text(d, text);
     } catch (const api::InvalidParameter& e) {
       throw to_core_error(e);
     }
@@ -99,6 +109,7 @@ class Details {
     refresh_ = value == "refresh";
   }
 
+  const std::string process_;
   api::Json values_ = api::Json::object();
   std::string name_, tag_;
   bool refresh_ = false;
@@ -249,9 +260,9 @@ UploadRequest read_upload_request(Exchange& exchange, JobService& service) {
   if (exchange.head.has("content-encoding"))
     throw Refusal(ProblemType::kUnsupportedMediaType, "coded bodies are not understood",
                   "send it without Content-Encoding", "Content-Encoding");
-  Details details;
+  Details details(exchange.captures.at(0));
   for (const auto& [name, value] : exchange.query) details.take_text(name, value);
-  (void)details.submission();  // wrong parameters are refused before the upload
+  details.check(json || form);  // wrong parameters are refused before the upload
   const std::string key = idempotency_key(exchange.head);
   Sha256 whole;
   exchange.body.hash_into(whole);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -113,12 +112,6 @@ Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes
   return outcome;
 }
 
-/// The shortest text that reads back as the number.
-std::string number_text(double x) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
-}
-
 /// The curve of a sweep as a table and as JSON, by ascending tolerance.
 std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
   constexpr std::array<const char*, 7> kColumns{"e_max",     "patches",       "cut_length", "border_length",
@@ -128,13 +121,13 @@ std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
   const auto e_max = [](const SweepStep* s) { return s->outcome.report.at("e_max").get<double>(); };
   std::stable_sort(order.begin(), order.end(),
                    [&](const SweepStep* a, const SweepStep* b) { return e_max(a) < e_max(b); });
-  std::string csv = "folder";
+  std::string csv = "point";
   for (const char* column : kColumns) csv += std::string(",") + column;
   csv += "\r\n";
   api::Json curve = api::Json::array();
   for (const SweepStep* step : order) {
-    api::Json point{{"folder", step->folder}};
-    csv += step->folder;
+    api::Json point{{"point", step->point}};
+    csv += step->point;
     for (const char* column : kColumns) {
       point[column] = step->outcome.report.at(column);
       csv += "," + point[column].dump();
@@ -193,7 +186,7 @@ SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const ap
       sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null());
   context.report(Stage::kWrite, 0);
   for (const Decomposition& d : results)
-    sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, input.notes)});
+    sweep_outcome.steps.push_back({api::number_text(d.params.e_max), outcome_of(d, input.notes)});
   sweep_outcome.files = curve_of(sweep_outcome.steps);
   context.report(Stage::kWrite, 1);
   return sweep_outcome;

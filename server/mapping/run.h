@@ -29,7 +29,7 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
                           RunContext& context);
 
 struct SweepStep {
-  std::string folder;  ///< named by the tolerance: "0.02"
+  std::string point;  ///< the tolerance as it is named: "0.02"
   Outcome outcome;
 };
 
