@@ -127,7 +127,7 @@ NewJob point_of_sweep(const JobRecord& sweep, const std::string& point, Microsec
   job.process = api::kDecompose;
   job.version = sweep.version;
   api::Json parameters = parsed_or_null(sweep.parameters);
-  for (const api::Json& tolerance : parameters.at(api::kTolerance))
+  for (const double tolerance : parameters.at(api::kTolerance).get<std::vector<double>>())
     if (api::number_text(tolerance) == point) parameters[api::kTolerance] = tolerance;
   job.parameters = api::dump(parameters);
   job.tag = sweep.tag;

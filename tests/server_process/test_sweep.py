@@ -160,7 +160,7 @@ class Sweep(ServerCase):
         self.assertTrue(self.server.get("/api/v1/jobs?processID=sweep").json()["jobs"])
 
     def test_a_killed_server_takes_the_sweep_up_again(self):
-        answer = self.server.request("POST", SWEEP + "?e_max=0.01,0.02,0.04", bowl(around=40, up=14))
+        answer = self.server.request("POST", SWEEP + "?e_max=0.01,0.02,0.04", bowl(around=24, up=8))
         self.server.wait(answer.json()["jobID"], until=("running", "successful"))
         self.server.restart(signal.SIGKILL)
         job = self.server.wait(answer.json()["jobID"], timeout=120)

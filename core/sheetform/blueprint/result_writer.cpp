@@ -154,8 +154,12 @@ Json plane_of(const Decomposition& d) {
 
 Json audit_of(const MeshAudit& audit) {
   Json findings = Json::array();
-  for (const AuditFinding& f : audit.findings)
-    findings.push_back({{"kind", f.kind}, {"count", f.count}, {"text", f.text}, {"place", triple(f.place)}});
+  for (const AuditFinding& f : audit.findings) {
+    Json places = Json::array();
+    for (const Vector3& p : f.places) places.push_back(triple(p));
+    findings.push_back(
+        {{"kind", f.kind}, {"count", f.count}, {"text", f.text}, {"places", std::move(places)}});
+  }
   return {{"vertices", audit.vertices},         {"faces", audit.faces}, {"components", audit.components},
           {"border_loops", audit.border_loops}, {"euler", audit.euler}, {"uniform", audit.uniform},
           {"findings", std::move(findings)}};

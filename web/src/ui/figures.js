@@ -1,8 +1,10 @@
-// The figures of a result that a maker asks for first.
+// The figures of a result that a maker asks for first, and what the program noticed on the way.
 import { h } from "../dom.js";
 import { area, count, duration, metres, millimetres, percent } from "../format.js";
+import { repairsOf } from "../result/places.js";
 
-export function figures(model, job) {
+/** @param showPlaces(points, of what) marks places in the 3D view */
+export function figures(model, job, showPlaces) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
@@ -36,16 +38,44 @@ export function figures(model, job) {
       ),
     ),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
-    (report.notes ?? []).length > 0 &&
-      h(
-        "details",
-        { class: "notes" },
-        h("summary", {}, count(report.notes.length, "note")),
-        h(
-          "ul",
-          {},
-          report.notes.map((note) => h("li", { class: "hint" }, note)),
-        ),
-      ),
+    notes(model, showPlaces),
+  );
+}
+
+/** Repairs and what else there is to say; where something can be seen, a button shows it. */
+function notes(model, showPlaces) {
+  const { report = {} } = model.layout;
+  if (!report.notes?.length) return null;
+  const places = new Map(repairsOf(model.layout, model.center).map((repair) => [repair.text, repair.places]));
+  const buttons = [];
+  const show = (button, note) => {
+    const on = button.getAttribute("aria-pressed") !== "true";
+    for (const other of buttons) other.setAttribute("aria-pressed", String(on && other === button));
+    showPlaces(on ? places.get(note) : []);
+  };
+  return h(
+    "details",
+    { class: "notes", open: places.size > 0 },
+    h("summary", {}, count(report.notes.length, "note")),
+    h(
+      "ul",
+      {},
+      report.notes.map((note) => {
+        if (!places.has(note)) return h("li", { class: "hint" }, note);
+        const button = h(
+          "button",
+          {
+            type: "button",
+            class: "small",
+            "aria-pressed": "false",
+            "aria-label": `Show where: ${note}`,
+            onclick: () => show(button, note),
+          },
+          "Show where",
+        );
+        buttons.push(button);
+        return h("li", { class: "hint" }, note, " ", button);
+      }),
+    ),
   );
 }

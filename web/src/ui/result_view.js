@@ -14,7 +14,7 @@ import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
 import { reproduce } from "./reproduce.js";
 import { tradeOff } from "./trade_off_chart.js";
-import { startVariants } from "../variants.js";
+import { startVariant } from "../variants.js";
 import { viewControls } from "./view_controls.js";
 
 const TABS = [
@@ -36,7 +36,7 @@ function draftNote(job, go) {
       onclick: async () => {
         button.disabled = true;
         try {
-          const [next] = await startVariants(job, [{ effort: "normal" }]);
+          const next = await startVariant(job, { effort: "normal" });
           go(`#job/${next.jobID}`);
         } catch (error) {
           button.disabled = false;
@@ -91,7 +91,7 @@ export class ResultView {
         "div",
         { class: "tab-pane" },
         job.parameters?.effort === "draft" && draftNote(job, this.go),
-        figures(model, job),
+        figures(model, job, (points) => this.showPlaces(points)),
         h(
           "button",
           { type: "button", class: "primary wide", onclick: () => this.openTab("files") },
@@ -125,6 +125,12 @@ export class ResultView {
         document.documentElement.dataset.ready = job.jobID;
       }),
     );
+  }
+
+  /** On a narrow screen the view has to come first. */
+  showPlaces(points) {
+    this.stage.markPlaces(points);
+    if (points.length > 0 && this.narrow.matches) this.openTab("shape");
   }
 
   /** Escape lets go of what is chosen, wherever the focus is. */
@@ -184,7 +190,7 @@ export class ResultView {
       buttons,
     );
     replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
-    const narrow = matchMedia("(max-width: 760px)");
+    const narrow = (this.narrow = matchMedia("(max-width: 760px)"));
     const adapt = () => select(narrow.matches ? "shape" : "result");
     narrow.addEventListener("change", adapt);
     this.stops.push(() => narrow.removeEventListener("change", adapt));

@@ -15,6 +15,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { foldPart, foldSteps, hinges } from "../result/fold.js";
+import { Marks } from "./marks.js";
 import { partColor, themeColor } from "./theme.js";
 
 export class ResultObject {
@@ -29,6 +30,8 @@ export class ResultObject {
     this.values = null;
     this.makeSurface();
     this.makeLines();
+    this.marks = new Marks();
+    this.group.add(this.marks.group);
     this.recolor();
     this.update();
   }
@@ -269,6 +272,7 @@ export class ResultObject {
     this.seams.material.color.set(themeColor("--seam"));
     this.rulings.material.color.set(themeColor("--seam"));
     this.chosen.material.color.set(themeColor("--accent"));
+    this.marks.recolor();
   }
 
   /** Index of the part of a picked triangle, and the seam when the point is within `reach` of it. */
@@ -298,6 +302,7 @@ export class ResultObject {
   }
 
   dispose() {
+    this.marks.dispose();
     for (const object of [this.front, this.back, this.seams, this.rulings, this.chosen]) {
       object.geometry.dispose();
       object.material.dispose();
