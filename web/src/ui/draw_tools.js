@@ -6,8 +6,8 @@ import { icon } from "./icons.js";
 
 const MODES = [
   ["turn", "Turn", "hand", ""],
-  ["seam", "Draw a seam", "pen", "Draw where a seam shall run. Drag beside the shape to turn it."],
-  ["keep_out", "No seams here", "brush", "Paint where no seam may run. Drag beside the shape to turn it."],
+  ["seam", "Draw seam", "pen", "Draw where a seam shall run. Drag beside the shape to turn it."],
+  ["keep_out", "No seams", "brush", "Paint where no seam may run. Drag beside the shape to turn it."],
 ];
 const [FINEST, WIDEST] = [0.02, 0.6]; // brush, as shares of the mesh's radius
 
@@ -43,19 +43,20 @@ export function drawTools(pen, guides, scale) {
   );
   function setMode(mode) {
     pen.setMode(mode);
-    const [, , , words] = MODES.find(([id]) => id === mode);
-    hint.textContent = words;
-    hint.hidden = !words;
+    hint.textContent = words();
     brush.hidden = mode !== "keep_out";
     setSize();
+    showUndo();
   }
   const undo = h(
     "button",
     { type: "button", class: "tool", title: "Undo (Ctrl Z)", "aria-label": "Undo", onclick: () => guides.undo() },
     icon("undo", 18),
   );
+  const words = () => MODES.find(([mode]) => mode === pen.mode)[3];
   const showUndo = () => {
     undo.hidden = guides.past.length === 0;
+    hint.hidden = !words() || !undo.hidden; // once something is drawn, it is known how
   };
   const stop = guides.onChange(showUndo);
   const onKey = (event) => {
@@ -70,7 +71,6 @@ export function drawTools(pen, guides, scale) {
     }
   };
   addEventListener("keydown", onKey);
-  showUndo();
   setMode(pen.mode);
   return {
     element: h(

@@ -9,7 +9,8 @@ export function figures(model, job, showPlaces) {
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
   const glue = model.seams.reduce((sum, seam) => sum + (seam.border ? 0 : seam.length), 0);
-  const seconds = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
+  const seconds =
+    job.started && job.finished && !job.reusedFrom ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
   const rows = [
     ["Parts", String(model.parts.length)],
     [

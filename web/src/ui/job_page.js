@@ -12,6 +12,7 @@ import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
 import { icon } from "./icons.js";
 import { problemBox } from "./problem.js";
+import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
 import { sweepView } from "./sweep_view.js";
 
@@ -49,7 +50,12 @@ class JobPage {
 
   lost(error) {
     this.shown = "lost";
-    replace(this.panel, problemBox(error, h("a", { class: "button", href: "#" }, "All jobs")));
+    const gone = error.problem?.status === 404 && {
+      title: "There is no such job",
+      detail: "It was removed, or the link is not complete.",
+      fix: "Old jobs are removed after a while; drop the mesh again to make a new one",
+    };
+    replace(this.panel, problemBox(gone || error, h("a", { class: "button primary", href: "#" }, "All jobs")));
   }
 
   dispose() {
@@ -132,7 +138,9 @@ class JobPage {
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
         : "Starts in a moment"
-      : "Making the sheets";
+      : isSweep(job)
+        ? "Comparing tolerances"
+        : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
     percentText.textContent = waiting ? "" : `${job.progress} %`;
     times.textContent = waiting
@@ -159,6 +167,7 @@ class JobPage {
       "button",
       {
         type: "button",
+        class: "small",
         onclick: async () => {
           cancel.disabled = true;
           try {
@@ -169,7 +178,6 @@ class JobPage {
           cancel.disabled = false;
         },
       },
-      icon("close", 18),
       "Cancel",
     );
     const element = h(
@@ -177,39 +185,37 @@ class JobPage {
       { class: "progress-panel" },
       heading,
       h("div", { class: "percent-row" }, percentText, times),
-      bar,
+      h("div", { class: "row bar-row" }, bar, cancel),
       h("ol", { class: "stages" }, stages),
       facts,
-      h("div", { class: "row" }, cancel),
     );
     return { element, bar, percentText, times, stages, heading, facts };
   }
 
   showEnded(job) {
+    // A mesh that was refused will be refused again.
+    const refused = job.exception?.status === 422;
+    const another = h("a", { class: "button primary", href: "#" }, "Choose another mesh");
     const again = h(
       "button",
-      { type: "button", class: "primary", onclick: () => this.runAgain(job) },
+      { type: "button", class: refused ? null : "primary", onclick: () => this.runAgain(job) },
       icon("again", 18),
       "Change settings",
     );
     const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
-    const remove = h(
-      "button",
-      { type: "button", onclick: () => this.act(() => jobs.dismiss(this.id)) },
-      icon("trash", 18),
-      "Remove",
-    );
+    const remove = removeButton("Remove", () => this.act(() => jobs.dismiss(this.id)), "");
+    const ways = refused ? [another, again, remove] : [again, retry, remove];
     this.note = h("div", {});
     replace(
       this.panel,
       job.status === "failed"
-        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, again, retry, remove)
+        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, ...ways)
         : h(
             "section",
             {},
             h("h2", {}, "Cancelled"),
             h("p", {}, "The job was stopped before it was done."),
-            h("div", { class: "row" }, again, retry, remove),
+            h("div", { class: "row" }, ways),
           ),
       factsOf(job),
       this.note,

@@ -12,6 +12,7 @@ import { figures } from "./figures.js";
 import { icon } from "./icons.js";
 import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
+import { removeButton } from "./remove_button.js";
 import { reproduce } from "./reproduce.js";
 import { tradeOff } from "./trade_off_chart.js";
 import { startVariant } from "../variants.js";
@@ -98,13 +99,13 @@ export class ResultView {
           icon("download"),
           "Get the files",
         ),
-        certificate(model),
         tradeOff(job, model.scale, this.stops),
+        certificate(model),
         h(
           "div",
           { class: "row" },
           h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"),
-          h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"),
+          removeButton("Remove job", () => this.remove()),
         ),
       ),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),

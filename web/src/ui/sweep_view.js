@@ -4,7 +4,7 @@ import { metres, millimetres, percent } from "../format.js";
 import { titleOf } from "../jobs.js";
 import { COSTS } from "../result/trade_off.js";
 import { scaleOf } from "../variants.js";
-import { icon } from "./icons.js";
+import { removeButton } from "./remove_button.js";
 import { tradeOff } from "./trade_off_chart.js";
 
 /** @param actions {runAgain(), remove()} */
@@ -44,7 +44,7 @@ export function sweepView(job, stops, { runAgain, remove }) {
       "div",
       { class: "row" },
       h("button", { type: "button", onclick: runAgain }, "Run again with …"),
-      h("button", { type: "button", class: "quiet", onclick: remove }, icon("trash", 18), "Remove job"),
+      removeButton("Remove job", remove),
     ),
   ];
 }

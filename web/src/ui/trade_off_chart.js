@@ -23,7 +23,7 @@ export function tradeOff(job, scale, stops) {
     if (held) chart.querySelector(`a[href="${focus}"]`)?.focus();
     const sweep = sweepOf(mine, all);
     if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
-    else if (sweep) replace(controls);
+    else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
     else replace(controls, startButton(sending, start));
   };
   async function start() {

@@ -139,9 +139,13 @@ export function viewControls({ stage, model, mesh, material, job }) {
       "div",
       { class: "control-row" },
       segments,
-      toggle("seams", "Seams"),
-      toggle("rulings", "Bend lines"),
-      toggle("original", "Mesh"),
+      h(
+        "div",
+        { class: "toggles" },
+        toggle("seams", "Seams"),
+        toggle("rulings", "Bend lines"),
+        toggle("original", "Your mesh"),
+      ),
     ),
     h("div", { class: "control-row" }, apart.element, fold.element, play),
   );

@@ -16,10 +16,8 @@ import {
   PlaneGeometry,
   ShaderMaterial,
 } from "three";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { alongStroke } from "../guides.js";
+import { fatLines, setSegments } from "./fat_lines.js";
 import { themeColor } from "./theme.js";
 
 const SETTING_DOWN = 1 / 3; // of the radius: from one place of the brush to the next
@@ -92,18 +90,9 @@ export class GuideObject {
 }
 
 function lines(width, look) {
-  const object = new LineSegments2(
-    new LineSegmentsGeometry(),
-    new LineMaterial({ linewidth: width, transparent: true, ...look }),
-  );
-  object.frustumCulled = false;
+  const object = fatLines(width, look);
   object.renderOrder = 8;
   return object;
-}
-
-function setSegments(object, coordinates) {
-  object.visible = coordinates.length > 0;
-  if (object.visible) object.geometry.setPositions(coordinates);
 }
 
 const ball = new IcosahedronGeometry(1, 3);

@@ -11,10 +11,8 @@ import {
   Mesh,
   MeshLambertMaterial,
 } from "three";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { foldPart, foldSteps, hinges } from "../result/fold.js";
+import { fatLines, setSegments } from "./fat_lines.js";
 import { Marks } from "./marks.js";
 import { partColor, themeColor } from "./theme.js";
 
@@ -73,7 +71,7 @@ export class ResultObject {
     this.seams = fatLines(2.2);
     this.chosen = fatLines(5);
     this.chosen.renderOrder = 2;
-    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.45 }));
+    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.32 }));
     this.group.add(this.seams, this.rulings, this.chosen);
   }
 
@@ -208,6 +206,7 @@ export class ResultObject {
   }
 
   updateLines() {
+    // All outlines came first, so there are never more.
     this.seams.geometry.setPositions(this.ends(this.pairsOf(this.outlinePairs, "outline")));
     this.rulings.geometry.setAttribute(
       "position",
@@ -240,8 +239,7 @@ export class ResultObject {
         if (wanted) pairs.push(v, part.outline[(place + 1) % part.outline.length]);
       });
     });
-    this.chosen.visible = pairs.length > 0;
-    if (pairs.length > 0) this.chosen.geometry.setPositions(this.ends(pairs));
+    setSegments(this.chosen, this.ends(pairs));
   }
 
   /** Colours by a colour [r, g, b] (sRGB) per vertex instead of by part; null = by part. */
@@ -323,15 +321,6 @@ function looksOut({ parts, position: p }) {
     }
   }
   return volume >= 0;
-}
-
-function fatLines(width) {
-  const object = new LineSegments2(
-    new LineSegmentsGeometry(),
-    new LineMaterial({ linewidth: width, transparent: true }),
-  );
-  object.frustumCulled = false;
-  return object;
 }
 
 function centerOf(part, position) {

@@ -83,6 +83,7 @@ export class Stage {
     replace(this.bottom);
     this.message.hidden = !message;
     this.message.textContent = message;
+    this.element.classList.toggle("empty", !message);
     this.viewport?.draw();
   }
 
@@ -99,6 +100,7 @@ export class Stage {
    */
   showInput(mesh, { up, scale, onUp, places = [], guides = null, drawing = false }) {
     this.clear();
+    this.element.classList.remove("empty");
     if (!this.viewport) return;
     this.input = new InputObject(mesh);
     this.input.markPlaces(places);
@@ -231,6 +233,7 @@ export class Stage {
   /** Shows a result: parts in 3D beside the flat layout. `mesh` = the input, if it is to be had. */
   showResult(model, { up, mesh, onUp }) {
     this.clear();
+    this.element.classList.remove("empty");
     this.marked = [];
     this.model = model;
     this.setFlat(true);
