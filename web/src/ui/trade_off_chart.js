@@ -10,7 +10,7 @@ const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 196, 34, 30, 24];
 
 export function tradeOff(job, scale, stops) {
   const chart = h("div", {});
-  const controls = h("div", {});
+  const controls = h("div", { class: "trade-off-controls" });
   const note = h("div", {});
   let sending = false;
   let measure = "parts";
@@ -119,7 +119,7 @@ function draw(points, job, scale, measure) {
       role: "group",
       "aria-label": `${measure === "parts" ? "Parts" : "Length to cut"} against largest deviation`,
     },
-    ticks(most).map((n) => [
+    ticks(most, measure === "parts" ? 1 : 0).map((n) => [
       s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }),
       s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n),
     ]),
@@ -135,8 +135,10 @@ function draw(points, job, scale, measure) {
   );
 }
 
-function ticks(most) {
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((n) => most / n <= 5) ?? 1000;
+/** Five values at most, from 0; `least` is the smallest step that makes sense. */
+function ticks(most, least) {
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500];
+  const step = steps.find((n) => n >= least && most / n <= 5) ?? 1000;
   return Array.from({ length: Math.floor((most * 1.08) / step) + 1 }, (_, k) => Number((k * step).toFixed(1)));
 }
 

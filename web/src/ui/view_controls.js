@@ -1,6 +1,6 @@
 // Below the 3D view: what the colours mean, what is drawn, parts moved apart, sheets folded open.
 import { freshId, h, replace } from "../dom.js";
-import { millimetres } from "../format.js";
+import { millimetres, significant } from "../format.js";
 import { bendColors } from "../result/bend.js";
 import { compareWith } from "../worker/client.js";
 import { heatColor } from "../view/theme.js";
@@ -102,7 +102,7 @@ export function viewControls({ stage, model, mesh, material, job }) {
         h("span", { class: "key near" }, "tight"),
         h("span", { class: "key over" }, `below ${material.radius} mm`),
       ),
-      h("span", { class: "hint" }, Number.isFinite(tightest) ? `tightest ${millimetres(tightest)}. ${text}` : text),
+      h("span", { class: "hint" }, Number.isFinite(tightest) ? `Tightest: about ${significant(tightest, 2)} mm. ${text}` : text),
     );
     legend.hidden = false;
   }
