@@ -21,6 +21,19 @@ OrderedJson mesh_input() {
           {"schema", {{"oneOf", forms}}}};
 }
 
+/// Files that may come with the mesh, as parts of a form.
+OrderedJson guides_input() {
+  OrderedJson schema{{"type", "object"}};
+  schema["properties"] = {{"seams", {{"type", "array"}}}, {"keep_out", {{"type", "array"}}}};
+  return {{"title", "Guides"},
+          {"description",
+           "Strokes drawn on the mesh, in its units: lines that become seams, and areas that seams keep out "
+           "of. In a form the part `guides`"},
+          {"minOccurs", 0},
+          {"maxOccurs", 1},
+          {"schema", std::move(schema)}};
+}
+
 OrderedJson parameter_input(const ParameterDefinition& d) {
   return {{"title", d.title},
           {"description", d.text},
@@ -38,7 +51,7 @@ OrderedJson tolerances_input(const ParameterDefinition& d) {
 }
 
 OrderedJson inputs(bool sweep) {
-  OrderedJson object{{"mesh", mesh_input()}};
+  OrderedJson object{{"mesh", mesh_input()}, {"guides", guides_input()}};
   for (const ParameterDefinition& d : parameter_definitions()) {
     if (!sweep)
       object[d.name] = parameter_input(d);

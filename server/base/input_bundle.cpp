@@ -47,14 +47,22 @@ std::uint64_t mesh_bytes_of(std::uint64_t bytes, std::string_view tail) {
 }
 
 InputBundle split_bundle(std::string_view bytes) {
-  std::uint64_t mesh = 0, field = 0;
-  if (read_tail(kFieldMark, bytes.size(), bytes, mesh))
-    return {bytes.substr(0, mesh), bytes.substr(mesh, bytes.size() - mesh - kTailBytes), {}};
-  if (!read_tail(kGuideMark, bytes.size(), bytes, mesh)) return {bytes, {}, {}};
-  const std::string_view both = bytes.substr(mesh, bytes.size() - mesh - kTailBytes);
-  const std::size_t rest = both.size() < kDigits ? 0 : both.size() - kDigits;
-  if (both.size() < kDigits || !read_number(both.substr(rest), rest, field)) return {bytes, {}, {}};
-  return {bytes.substr(0, mesh), both.substr(0, field), both.substr(field, rest - field)};
+  const std::uint64_t mesh = mesh_bytes_of(bytes.size(), bytes);
+  InputBundle bundle = split_after_mesh(bytes.substr(mesh));
+  const bool alone = bundle.field.empty() && bundle.guides.empty();
+  bundle.mesh = alone ? bytes : bytes.substr(0, mesh);
+  return bundle;
+}
+
+InputBundle split_after_mesh(std::string_view rest) {
+  if (rest.size() < kTailBytes) return {};
+  const bool guided = rest.substr(rest.size() - kTailBytes, kGuideMark.size()) == kGuideMark;
+  rest.remove_suffix(kTailBytes);
+  if (!guided) return {{}, rest, {}};
+  std::uint64_t field = 0;
+  const std::size_t both = rest.size() < kDigits ? 0 : rest.size() - kDigits;
+  if (rest.size() < kDigits || !read_number(rest.substr(both), both, field)) return {};
+  return {{}, rest.substr(0, field), rest.substr(field, both - field)};
 }
 
 }  // namespace sheetform::server

@@ -25,5 +25,7 @@ std::string after_mesh(std::uint64_t mesh_bytes, std::string_view field, std::st
 /// Bytes of the mesh in a bundle of `bytes` that ends with `tail` (its last kTailBytes, or all of it).
 std::uint64_t mesh_bytes_of(std::uint64_t bytes, std::string_view tail);
 InputBundle split_bundle(std::string_view bytes);
+/// The same of a bundle whose mesh is left out: of what after_mesh gave.
+InputBundle split_after_mesh(std::string_view rest);
 
 }  // namespace sheetform::server

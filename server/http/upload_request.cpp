@@ -216,6 +216,11 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
   if (!api::read_execute_request(value, request, problem)) throw Refusal(problem);
   if (!request.tag.empty()) details.take_tag(request.tag);
   details.take_name(request.mesh_name);
+  std::string guides;
+  if (const auto given = request.parameters.find("guides"); given != request.parameters.end()) {
+    guides = api::dump(*given);
+    request.parameters.erase(given);
+  }
   details.take_json(request.parameters);
   std::string bytes;
   if (!from_base64(request.mesh_base64, bytes))
@@ -223,6 +228,7 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
                 "give the bytes of the file in base64, without line breaks");
   std::unique_ptr<Upload> upload = service.begin_upload();
   upload->add(bytes);
+  upload->add(after_mesh(bytes.size(), {}, guides));
   return upload;
 }
 

@@ -1,4 +1,5 @@
 """Strokes drawn on the mesh, uploaded beside it."""
+import base64
 import json
 import os
 import subprocess
@@ -35,6 +36,9 @@ class UserGuides(ServerCase):
             self.assertTrue(any("guides" in note for note in job["report"]["notes"]), job["report"])
             root = f"/api/v1/jobs/{job['jobID']}"
             self.assertEqual(self.server.get(f"{root}/input").body, mesh)
+            self.assertEqual(self.server.get(f"{root}/guides").body, parts[1][2])
+            self.assertEqual(job["inputs"]["mesh"]["guides"], {"seams": 1, "keepOut": 1})
+            self.assertIn(f"{root}/guides", [link["href"] for link in job["links"] if link["rel"] == "guides"])
             layout = self.server.get(f"{root}/results/layout.json").json()
             self.assertEqual(layout["guides"], guides)
             self.assertTrue(any(arch["drawn"] for arch in layout["arches"]))
@@ -49,6 +53,7 @@ class UserGuides(ServerCase):
         self.assertEqual(answer.status, 201, answer.body)
         job = self.server.wait(answer.json()["jobID"], timeout=120)
         self.assertEqual(job["status"], "successful", job)
+        self.assertEqual(self.server.get(f"/api/v1/jobs/{job['jobID']}/guides").json(), self.middle(mesh))
         notes = " ".join(job["report"]["notes"])
         self.assertIn("field", notes)
         self.assertIn("guides", notes)
@@ -102,6 +107,26 @@ class UserGuides(ServerCase):
                 self.assertEqual(done.returncode, 64)
                 self.assertIn(words, done.stderr)
                 self.assertFalse(os.path.exists(path("no")))
+
+    def test_guides_in_an_ogc_request(self):
+        guides = self.middle(arc())
+        document = {"inputs": {"mesh": base64.b64encode(arc()).decode(), "effort": "draft", "guides": guides}}
+        answer = self.server.request("POST", EXECUTION, json.dumps(document), {"Content-Type": "application/json"})
+        self.assertEqual(answer.status, 201, answer.body)
+        root = f"/api/v1/jobs/{answer.json()['jobID']}"
+        self.assertEqual(self.server.get(f"{root}/guides").json(), guides)
+        self.assertEqual(self.server.get(f"{root}/input").body, arc())
+        document["inputs"]["guides"] = 7
+        answer = self.server.request("POST", EXECUTION, json.dumps(document), {"Content-Type": "application/json"})
+        self.assert_problem(answer, 422, "invalid-parameter")
+
+    def test_a_job_without_guides_has_none_to_give(self):
+        faces = arc().count(b"\nf ")
+        field = ("field", None, (f"{faces}\n4\n" + "0 0 1\n" * faces).encode())
+        for more in ([], [field]):
+            job = self.upload(("mesh", "a.obj", arc()), ("effort", None, b"draft"), *more).json()
+            self.assert_problem(self.server.get(f"/api/v1/jobs/{job['jobID']}/guides"), 404, "no-such-output")
+            self.assertNotIn("guides", [link["rel"] for link in job["links"]])
 
     def test_more_than_one_part_and_too_large_a_part_are_refused(self):
         guides = json.dumps(self.middle(arc())).encode()

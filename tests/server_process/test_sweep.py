@@ -130,7 +130,11 @@ class Sweep(ServerCase):
         self.server.wait(plain["jobID"])
         answer = self.server.request("POST", f"/api/v1/jobs/{plain['jobID']}/points/0.02")
         self.assert_problem(answer, 404, "no-such-output")
-        self.assert_problem(self.server.get(self.base + "/exports/pdf"), 404, "no-such-output")
+        for export in ("", "/pdf"):
+            answer = self.server.get(self.base + "/exports" + export)
+            self.assert_problem(answer, 404, "no-such-output")
+            self.assertIn("point", answer.json()["fix"])
+        self.assertNotIn("exports", [link["rel"] for link in self.job["links"]])
 
     def test_wrong_tolerances_are_refused_with_where_and_fix(self):
         for query in ("", "?e_max=", "?e_max=0.02,", "?e_max=0.02,0.02", "?e_max=0.02,0.7", "?e_max=a",
