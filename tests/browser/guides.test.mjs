@@ -83,7 +83,7 @@ describe("with a mouse", () => {
   });
 
   it("takes back with keys alone", async () => {
-    await drag(page, [0.53, 0.3], [0.53, 0.4]);
+    await drag(page, [0.53, 0.5], [0.53, 0.6]);
     assert.equal(await page.locator(".guide-list li").count(), 3);
     await page.keyboard.press("Control+z");
     assert.equal(await page.locator(".guide-list li").count(), 2);
