@@ -42,6 +42,7 @@ export function viewControls({ stage, model, mesh, material, job }) {
     stage.result?.show(state);
     stage.flat?.showRulings(state.rulings);
     if (stage.input) stage.input.group.visible = state.original || state.color === "error" || state.color === "tilt";
+    if (stage.drawn) stage.drawn.group.visible = state.original;
     stage.viewport?.draw();
   };
   const toggle = (name, title) =>

@@ -2,6 +2,7 @@
 import { h, oncePerFrame, replace } from "../dom.js";
 import { extents } from "../drafts.js";
 import { millimetres } from "../format.js";
+import { Guides } from "../guides.js";
 import { seamPlaces } from "../result/seam_places.js";
 import { icon } from "../ui/icons.js";
 import { drawTools } from "../ui/draw_tools.js";
@@ -245,11 +246,23 @@ export class Stage {
     this.result.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
     this.viewport.root.add(this.result.group);
     if (mesh) this.addOverlay(mesh);
+    this.showDrawn(model);
     this.viewport.setUp(up);
     this.up = up;
     this.viewport.fit(this.result.ball().radius);
     this.viewport.home();
     replace(this.tools, this.viewTools(onUp));
+  }
+
+  /** What was drawn on the mesh goes with the overlay. */
+  showDrawn({ layout, center }) {
+    const { list } = new Guides(layout.guides);
+    if (list.length === 0) return;
+    this.drawn = new GuideObject(center);
+    this.drawn.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
+    this.drawn.show(list);
+    this.drawn.group.visible = false;
+    this.viewport.root.add(this.drawn.group);
   }
 
   /** The input over the result, hidden at first; both are drawn around the result's centre. */
