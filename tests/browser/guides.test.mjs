@@ -112,7 +112,7 @@ describe("with a mouse", () => {
     const layout = await (await fetch(new URL(files["layout.json"].href, server.url))).json();
     assert.deepEqual(layout.guides, guides);
     assert.ok(layout.arches.some((arch) => arch.drawn));
-    await page.getByText("Your mesh").click();
+    await page.getByRole("checkbox", { name: "Your mesh" }).check();
     await page.waitForTimeout(300);
     await window.shot("guides-2-result");
   });
