@@ -1,10 +1,12 @@
 // The figures of a result that a maker asks for first, and what the program noticed on the way.
 import { h } from "../dom.js";
 import { area, count, duration, metres, millimetres, percent } from "../format.js";
+import { bendColors } from "../result/bend.js";
 import { repairsOf } from "../result/places.js";
+import { icon } from "./icons.js";
 
-/** @param showPlaces(points, of what) marks places in the 3D view */
-export function figures(model, job, showPlaces) {
+/** @param showPlaces(points) marks places in the 3D view  @param showBends() colours it by the bend radius */
+export function figures(model, job, material, { showPlaces, showBends }) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
@@ -38,8 +40,25 @@ export function figures(model, job, showPlaces) {
         ),
       ),
     ),
+    bends(model, material, showBends),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
     notes(model, showPlaces),
+  );
+}
+
+/** Whether the material can do it: said before the sheets are cut. */
+function bends(model, material, showBends) {
+  const { easy, text } = bendColors(model, material);
+  const name = material.title.toLowerCase();
+  const show = h("button", { type: "button", class: "small right", onclick: showBends }, "Show bends");
+  if (easy > 0.995)
+    return h("p", { class: "bends" }, icon("check", 16), h("span", {}, `Bends easily in ${name}.`), show);
+  return h(
+    "div",
+    { class: easy < 0.9 ? "bends warning" : "bends" },
+    icon(easy < 0.9 ? "warn" : "info", 16),
+    h("span", { title: text }, `${percent(1 - easy, 0)} of the sheets bend tighter than ${name} likes.`),
+    show,
   );
 }
 

@@ -50,7 +50,7 @@ function draftNote(job, go) {
   return h(
     "div",
     { class: "draft-note" },
-    h("p", {}, h("strong", {}, "Quick draft. "), "A full run finds fewer and smoother parts."),
+    h("p", {}, h("strong", {}, "Quick draft. "), "A full run searches longer: mostly for fewer and smoother parts."),
     button,
     problem,
   );
@@ -84,7 +84,7 @@ export class ResultView {
     const { model, stage, job } = this;
     const material = materialOf(this.material);
     stage.showResult(model, { up: this.up({ format: job.inputs?.mesh?.format ?? "obj" }), mesh: null });
-    const controls = viewControls({ stage, model, mesh: this.mesh, material, job });
+    const controls = viewControls({ stage, model, mesh: this.mesh, material });
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
     const panes = {
@@ -92,7 +92,10 @@ export class ResultView {
         "div",
         { class: "tab-pane" },
         job.parameters?.effort === "draft" && draftNote(job, this.go),
-        figures(model, job, (points) => this.showPlaces(points)),
+        figures(model, job, material, {
+          showPlaces: (points) => this.showPlaces(points),
+          showBends: () => this.showBends(controls),
+        }),
         h(
           "button",
           { type: "button", class: "primary wide", onclick: () => this.openTab("files") },
@@ -132,6 +135,11 @@ export class ResultView {
   showPlaces(points) {
     this.stage.markPlaces(points);
     if (points.length > 0 && this.narrow.matches) this.openTab("shape");
+  }
+
+  showBends(controls) {
+    controls.show("bend");
+    if (this.narrow.matches) this.openTab("shape");
   }
 
   /** Escape lets go of what is chosen, wherever the focus is. */

@@ -6,7 +6,7 @@ import { compareWith } from "../worker/client.js";
 import { heatColor } from "../view/theme.js";
 import { icon } from "./icons.js";
 
-export function viewControls({ stage, model, mesh, material, job }) {
+export function viewControls({ stage, model, mesh, material }) {
   const state = { color: "parts", seams: true, rulings: true, original: false };
   const legend = h("div", { class: "legend", hidden: true });
   const apart = slider("Apart", (value) => stage.pose({ explode: value }));
@@ -150,7 +150,12 @@ export function viewControls({ stage, model, mesh, material, job }) {
     ),
     h("div", { class: "control-row" }, apart.element, fold.element, play),
   );
-  return { element, dispose: () => cancelAnimationFrame(running), job };
+  /** Colours as if chosen here. */
+  const show = (id) => {
+    const radio = segments.querySelector(`input[value=${id}]`);
+    if (!radio.checked) radio.click();
+  };
+  return { element, show, dispose: () => cancelAnimationFrame(running) };
 }
 
 function slider(title, onValue) {

@@ -54,7 +54,7 @@ export class ResultObject {
     // The inside is the same sheet, paler: one still sees which part it is.
     this.back = new Mesh(
       this.geometry,
-      new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0x9a9a9a, ...offset }),
+      new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0xbdbdbd, ...offset }),
     );
     this.group.add(this.front, this.back);
   }
@@ -266,7 +266,7 @@ export class ResultObject {
       }
     });
     this.geometry.attributes.color.needsUpdate = true;
-    this.back.material.emissive.set(themeColor("--sheet-back")).multiplyScalar(0.42);
+    this.back.material.emissive.set(themeColor("--sheet-back")).multiplyScalar(0.2);
     this.seams.material.color.set(themeColor("--seam"));
     this.rulings.material.color.set(themeColor("--seam"));
     this.chosen.material.color.set(themeColor("--accent"));
