@@ -78,14 +78,14 @@ class App {
   async route() {
     const hash = location.hash;
     const turn = (this.turn = Symbol(hash));
-    if (hash !== "#new" && !hash.startsWith("#job/")) return this.show(homePage(this));
+    if (hash !== "#new" && !hash.startsWith("#job/")) return this.show(() => homePage(this));
     try {
       await this.load();
       if (this.turn !== turn) return;
       const [id, point] = hash.slice(5).split("/").map(decodeURIComponent);
       if (point) return await this.toPoint(id, point);
-      if (hash === "#new") this.show(drafts.draft ? this.pages.setupPage(this) : homePage(this));
-      else this.show(this.pages.jobPage({ ...this, go: this.go, id }));
+      if (hash === "#new") this.show(() => (drafts.draft ? this.pages.setupPage(this) : homePage(this)));
+      else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
     } catch (error) {
       if (this.turn === turn) this.showProblem(error);
     }
@@ -107,9 +107,10 @@ class App {
     this.stage ??= new pages.Stage();
   }
 
-  show(page) {
+  /** The old page goes before the new one is made: they share the stage. */
+  show(makePage) {
     this.page?.dispose?.();
-    this.page = page;
+    const page = (this.page = makePage());
     document.title = page.title ? `${page.title} · sheetform` : "sheetform: from mesh to sheets";
     replace(this.host, page.element);
     delete document.documentElement.dataset.ready;
@@ -120,7 +121,7 @@ class App {
     const token =
       error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
     const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
-    this.show({
+    this.show(() => ({
       title: "",
       element: h(
         "main",
@@ -128,7 +129,7 @@ class App {
         h("h1", { class: "visually-hidden" }, "sheetform"),
         problemBox(error, token ?? again),
       ),
-    });
+    }));
   }
 
   showConnection() {

@@ -148,7 +148,11 @@ class ExportPanel {
         { class: "quick" },
         h("span", { class: "hint" }, "or only"),
         quick.map(({ format, title }) =>
-          h("a", { class: "button small", title, "aria-label": `${format.toUpperCase()} alone`, ...link(format) }, format.toUpperCase()),
+          h(
+            "a",
+            { class: "button small", title, "aria-label": `${format.toUpperCase()} alone`, ...link(format) },
+            format.toUpperCase(),
+          ),
         ),
       ),
     );

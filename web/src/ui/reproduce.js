@@ -13,7 +13,7 @@ export function askedFor(job, process) {
   });
 }
 
-const word = (value) => (Array.isArray(value) ? value.join(",") : value === true ? "on" : value === false ? "off" : String(value));
+const word = (value) => (value === true ? "on" : value === false ? "off" : [value].flat().join(","));
 const quoted = (text) => (/^[\w./,:=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
 /** `sweep`: the sweep that the job is a point of. But for the finest, a job on its own may find another result. */
