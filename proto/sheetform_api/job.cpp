@@ -1,7 +1,8 @@
 #include "sheetform_api/job.h"
 
-#include <charconv>
 #include <cmath>
+
+#include "sheetform_api/process.h"
 
 namespace sheetform::api {
 namespace {
@@ -9,11 +10,6 @@ namespace {
 constexpr const char* kResultsRel = "http://www.opengis.net/def/rel/ogc/1.0/results";
 constexpr const char* kExceptionsRel = "http://www.opengis.net/def/rel/ogc/1.0/exceptions";
 constexpr std::array<const char*, 5> kStates{"accepted", "running", "successful", "failed", "dismissed"};
-
-std::string number_text(double value) {
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
-}
 
 double extent(const MeshInfo& m, std::size_t axis) { return m.box_max[axis] - m.box_min[axis]; }
 
@@ -24,11 +20,14 @@ std::vector<Link> links_of(const StatusInfo& s, const std::string& root) {
                           {root + "/jobs", "up", "application/json", "All jobs"},
                           {self + "/events", "events", "text/event-stream", "Live progress"},
                           {self + "/input", "input", "application/octet-stream", "The uploaded mesh"}};
+  if (s.mesh.is_object() && s.mesh.contains("guides"))
+    links.push_back({self + "/guides", "guides", "application/json", "What was drawn on the mesh"});
   if (s.state == JobState::kSuccessful) {
     links.push_back({self + "/results", kResultsRel, "application/json", "The files of the result"});
     links.push_back({self + "/results?f=zip", "enclosure", "application/zip", "All files in one archive"});
-    links.push_back(
-        {self + "/exports", "exports", "application/json", "Files for other machines and sheets"});
+    if (s.process != kSweep)  // its points have them
+      links.push_back(
+          {self + "/exports", "exports", "application/json", "Files for other machines and sheets"});
   }
   if (s.state == JobState::kFailed)
     links.push_back({self + "/results", kExceptionsRel, "application/problem+json", "What went wrong"});
@@ -110,6 +109,7 @@ Json to_json(const MeshInfo& m) {
               {"unitAssumed", "1 unit = " + number_text(m.scale) + " mm"},
               {"scale", m.scale}};
   put(object, "name", m.name);
+  if (m.seams + m.keep_out > 0) object["guides"] = {{"seams", m.seams}, {"keepOut", m.keep_out}};
   return object;
 }
 
@@ -122,6 +122,10 @@ MeshInfo mesh_info_from_json(const Json& value) {
   m.vertices = value.value("vertices", std::int64_t{0});
   m.faces = value.value("faces", std::int64_t{0});
   m.scale = value.value("scale", 1.0);
+  if (value.contains("guides")) {
+    m.seams = value["guides"].value("seams", std::int64_t{0});
+    m.keep_out = value["guides"].value("keepOut", std::int64_t{0});
+  }
   if (value.contains("bbox")) {
     m.box_min = value["bbox"].at("min").get<std::array<double, 3>>();
     m.box_max = value["bbox"].at("max").get<std::array<double, 3>>();

@@ -30,7 +30,8 @@ struct MeshInfo {
   std::string format;  ///< obj, stl, ply, off
   std::int64_t vertices = 0, faces = 0;
   std::array<double, 3> box_min{}, box_max{};
-  double scale = 1;  ///< millimetres for one unit, as in force
+  double scale = 1;                      ///< millimetres for one unit, as in force
+  std::int64_t seams = 0, keep_out = 0;  ///< strokes of the guides that came with it
 };
 Json to_json(const MeshInfo& info);
 MeshInfo mesh_info_from_json(const Json& value);

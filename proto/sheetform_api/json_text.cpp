@@ -119,6 +119,11 @@ std::string dump(const Json& value) { return value.dump(-1, ' ', false, Json::er
 std::string dump(const OrderedJson& value) {
   return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
+std::string number_text(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
 std::string dump_pretty(const Json& value) {
   return value.dump(1, ' ', false, Json::error_handler_t::replace);
 }

@@ -23,6 +23,9 @@ std::string dump(const OrderedJson& value);
 /// Indented for people.
 std::string dump_pretty(const Json& value);
 
+/// The shortest text that reads back as the number: 0.02, 1e-05.
+std::string number_text(double value);
+
 /// RFC 3339 in UTC with milliseconds, e.g. "2026-11-22T09:24:00.000Z"; microseconds since 1970.
 std::string rfc3339(std::int64_t microseconds);
 /// The reverse, any number of fraction digits, Z or offset; false when it is no such time.

@@ -173,6 +173,25 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+[[noreturn]] void refuse_tolerances(const std::string& what) {
+  throw InvalidParameter(kTolerance, what,
+                         "give 1 to " + std::to_string(kSweepPoints) +
+                             " different fractions of the diagonal, as in e_max=0.05,0.02,0.01");
+}
+
+/// Ascending; each is checked as the tolerance of a decomposition.
+Json checked_tolerances(const Json& list) {
+  if (!list.is_array() || list.empty() || list.size() > kSweepPoints)
+    refuse_tolerances("e_max of a sweep is a list of 1 to " + std::to_string(kSweepPoints) + " tolerances");
+  for (const Json& value : list)
+    if (const ParameterDefinition& d = *find_parameter(kTolerance); !fits(d, value)) refuse(d, dump(value));
+  std::vector<double> values = list.get<std::vector<double>>();
+  std::sort(values.begin(), values.end());
+  if (std::adjacent_find(values.begin(), values.end()) != values.end())
+    refuse_tolerances("a tolerance is given twice");
+  return values;
+}
+
 std::string range_text(const ParameterDefinition& d) {
   std::string text;
   if (d.minimum) text += (d.exclusive_minimum ? " above " : " from ") + shortest(*d.minimum);
@@ -259,6 +278,45 @@ Json complete_parameters(const Json& given) {
     else if (!d.default_value.is_null())
       all[d.name] = d.default_value;
   }
+  return all;
+}
+
+bool is_sweep_parameter(std::string_view name) {
+  return name != "e_max_mm" && find_parameter(name) != nullptr;
+}
+
+Json sweep_tolerances_schema() {
+  Json each = find_parameter(kTolerance)->schema;
+  for (const char* word : {"title", "description", "default", "x-group", "x-order"}) each.erase(word);
+  const Json& whole = find_parameter(kTolerance)->schema;
+  return {{"type", "array"},
+          {"items", std::move(each)},
+          {"minItems", 1},
+          {"maxItems", kSweepPoints},
+          {"uniqueItems", true},
+          {"x-group", whole.at("x-group")},
+          {"x-order", whole.at("x-order")}};
+}
+
+Json sweep_tolerances_from_text(std::string_view text) {
+  Json list = Json::array();
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    list.push_back(parameter_from_text(*find_parameter(kTolerance), text.substr(at, end - at)));
+    at = end + 1;
+  }
+  return list;
+}
+
+Json complete_sweep_parameters(const Json& given) {
+  Json others = given;
+  others.erase(kTolerance);
+  for (const auto& [name, value] : others.items())
+    if (!is_sweep_parameter(name) && find_parameter(name) != nullptr)
+      throw InvalidParameter(name, name + " is no parameter of a sweep",
+                             "give the tolerances as fractions of the diagonal in e_max");
+  Json all = complete_parameters(others);
+  all[kTolerance] = checked_tolerances(given.value(kTolerance, Json()));
   return all;
 }
 

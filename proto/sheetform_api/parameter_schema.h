@@ -70,4 +70,16 @@ Json parameter_from_text(const ParameterDefinition& definition, std::string_view
 /// default are absent from the answer; null stands for absent. Throws InvalidParameter.
 Json complete_parameters(const Json& given);
 
+// A sweep has the same parameters, but for the tolerance: e_max is a list, and e_max_mm is none of them.
+
+inline constexpr const char* kTolerance = "e_max";
+inline constexpr std::size_t kSweepPoints = 10;  ///< most tolerances of one sweep
+
+bool is_sweep_parameter(std::string_view name);
+Json sweep_tolerances_schema();
+/// Tolerances from a text: "0.05,0.02,0.01". Throws InvalidParameter.
+Json sweep_tolerances_from_text(std::string_view text);
+/// As complete_parameters; the tolerances come out ascending. Throws InvalidParameter.
+Json complete_sweep_parameters(const Json& given);
+
 }  // namespace sheetform::api

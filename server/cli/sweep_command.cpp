@@ -83,7 +83,7 @@ int sweep_command(const ParsedLine& line) {
       run_sweep(bytes, std::filesystem::path(path).filename().string(), parameters, e_max, context);
   write_files(folder, outcome.files);
   for (const SweepStep& step : outcome.steps)
-    write_files(std::filesystem::path(folder) / step.folder, step.outcome.files);
+    write_files(std::filesystem::path(folder) / step.point, step.outcome.files);
   display.finish();
   print_curve(outcome);
   std::printf("%s/sweep.csv, sweep.json and a folder for each tolerance; %.1f s\n", folder.c_str(),

@@ -4,6 +4,7 @@
 #include "server/http/api_parts.h"
 #include "server/http/download.h"
 #include "sheetform/base/error.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 namespace {
@@ -14,9 +15,18 @@ std::string address_of(const JobRecord& job) {
   return std::string(kApiRoot) + "/jobs/" + job.id + "/exports";
 }
 
+/// The job whose result is exported.
+JobRecord exported_job(const Exchange& x, const ApiParts& parts) {
+  JobRecord job = successful_job(x, parts);
+  if (job.process == api::kSweep)
+    throw Refusal(ProblemType::kNoSuchOutput, "a sweep is exported point by point",
+                  "POST .../points/0.02 opens a point as a job, which has exports");
+  return job;
+}
+
 Answer list_exports(Exchange& x, const ApiParts& parts) {
   x.allow_parameters({"f"});
-  const JobRecord job = successful_job(x, parts);
+  const JobRecord job = exported_job(x, parts);
   api::Json document = exports_document(address_of(job), parts.service.profiles());
   const std::string up = std::string(kApiRoot) + "/jobs/" + job.id;
   document["links"] = api::to_json({{address_of(job), "self", "application/json", "These exports"},
@@ -58,7 +68,7 @@ void check(const ExportWish& wish) {
 
 Answer get_export(Exchange& x, ApiParts& parts) {
   const bool shown = wants_inline(x);
-  const JobRecord job = successful_job(x, parts);
+  const JobRecord job = exported_job(x, parts);
   const ExportWish wish = wish_of(x, parts, job);
   check(wish);
   const CountedPlace place(parts.exports, parts.service.limits().exports, "files that are being made");

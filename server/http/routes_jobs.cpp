@@ -2,6 +2,7 @@
 #include "server/http/api_parts.h"
 #include "server/http/conditional.h"
 #include "server/http/job_query.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 namespace {
@@ -62,6 +63,17 @@ Answer get_job(Exchange& x, ApiParts& parts) {
   return answer;
 }
 
+/// Opening a point again answers with the same job.
+Answer open_point(const Exchange& x, ApiParts& parts) {
+  const JobRecord sweep = successful_job(x, parts);
+  if (sweep.process != api::kSweep)
+    throw Refusal(api::ProblemType::kNoSuchOutput, "the job is no sweep, it has no points",
+                  "only jobs of the process sweep have them");
+  const Submitted opened = parts.service.open_point(sweep, x.captures.at(1));
+  return status_answer(parts, opened.replayed ? 200 : 201, opened.job)
+      .with("Location", absolute(parts, x.head, std::string(kApiRoot) + "/jobs/" + opened.job.id));
+}
+
 Answer get_log(Exchange& x, const ApiParts& parts) {
   const JobRecord job = job_of(x, parts);
   return text_answer(200, "text/plain; charset=utf-8", parts.service.store().attempt_log(job.seq));
@@ -99,6 +111,8 @@ void add_job_routes(Router& router, ApiParts& parts) {
   router.add({"POST", job + "/retry", "submit", [&parts](Exchange& x) {
                 return status_answer(parts, 200, parts.service.retry(job_of(x, parts)));
               }});
+  router.add(
+      {"POST", job + "/points/{point}", "submit", [&parts](Exchange& x) { return open_point(x, parts); }});
   router.add({"GET", job + "/log", "read", [&parts](Exchange& x) { return get_log(x, parts); }});
 }
 

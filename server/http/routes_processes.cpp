@@ -13,7 +13,7 @@ namespace sheetform::server {
 namespace {
 
 void require_process(const Exchange& x) {
-  if (x.captures.at(0) != api::kDecompose)
+  if (!api::is_process(x.captures.at(0)))
     throw Refusal(api::ProblemType::kNoSuchProcess, "there is no process " + x.captures[0].substr(0, 60),
                   "see /api/v1/processes");
 }
@@ -21,8 +21,10 @@ void require_process(const Exchange& x) {
 Answer list_processes(Exchange& x) {
   x.allow_parameters({"limit", "f"});
   const std::string root = kApiRoot;
+  api::Json list = api::Json::array();
+  for (const char* id : api::kProcesses) list.push_back(api::process_summary(id, root, kVersion));
   return json_answer(
-      200, api::Json{{"processes", {api::process_summary(root, kVersion)}},
+      200, api::Json{{"processes", std::move(list)},
                      {"links", api::to_json(std::vector<api::Link>{
                                    {root + "/processes", "self", "application/json", "The processes"}})}});
 }
@@ -30,7 +32,7 @@ Answer list_processes(Exchange& x) {
 Answer describe_process(Exchange& x) {
   require_process(x);
   x.allow_parameters({"f"});
-  return json_answer(200, api::process_description(kApiRoot, kVersion));
+  return json_answer(200, api::process_description(x.captures[0], kApiRoot, kVersion));
 }
 
 /// Prefer: wait=N holds the answer back until the job has ended.

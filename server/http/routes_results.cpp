@@ -119,20 +119,49 @@ std::string read_at(int fd, std::uint64_t offset, std::uint64_t most) {
   return bytes;
 }
 
+/// The input of a job as it is stored: the mesh, and what came with it.
+struct StoredInput {
+  std::shared_ptr<Descriptor> file;
+  std::uint64_t bytes = 0, mesh_bytes = 0;
+};
+
+StoredInput stored_input(const ApiParts& parts, const JobRecord& job) {
+  StoredInput input{std::make_shared<Descriptor>(parts.service.open_input(job.input))};
+  const std::int64_t bytes = parts.service.store().input_bytes(job.input);
+  if (!input.file->valid() || bytes < 0)
+    throw Refusal(ProblemType::kNoSuchOutput, "the uploaded mesh is not kept any more");
+  input.bytes = static_cast<std::uint64_t>(bytes);
+  const std::uint64_t tail = std::min<std::uint64_t>(input.bytes, kTailBytes);
+  input.mesh_bytes = mesh_bytes_of(input.bytes, read_at(input.file->get(), input.bytes - tail, tail));
+  return input;
+}
+
 Answer get_input(Exchange& x, const ApiParts& parts) {
   const JobRecord job = parts.service.job(x.captures.at(0), x.visible());
-  const auto file = std::make_shared<Descriptor>(parts.service.open_input(job.input));
-  const std::int64_t bytes = parts.service.store().input_bytes(job.input);
-  if (!file->valid() || bytes < 0)
-    throw Refusal(ProblemType::kNoSuchOutput, "the uploaded mesh is not kept any more");
-  const auto whole = static_cast<std::uint64_t>(bytes);
-  const std::string tail =
-      read_at(file->get(), whole - std::min<std::uint64_t>(whole, kTailBytes), kTailBytes);
-  return send_download(
-      x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream", job.input,
-          mesh_bytes_of(whole, tail), job.created / kSecond,
-          [file](std::uint64_t offset, std::uint64_t most) { return read_at(file->get(), offset, most); },
-          false});
+  const StoredInput input = stored_input(parts, job);
+  return send_download(x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream",
+                           job.input, input.mesh_bytes, job.created / kSecond,
+                           [file = input.file](std::uint64_t offset, std::uint64_t most) {
+                             return read_at(file->get(), offset, most);
+                           },
+                           false});
+}
+
+/// The strokes that came with the mesh, byte for byte.
+Answer get_guides(Exchange& x, const ApiParts& parts) {
+  x.allow_parameters({});
+  const StoredInput input = stored_input(parts, parts.service.job(x.captures.at(0), x.visible()));
+  std::string rest;
+  while (input.mesh_bytes + rest.size() < input.bytes) {
+    const std::uint64_t at = input.mesh_bytes + rest.size();
+    const std::string piece = read_at(input.file->get(), at, input.bytes - at);
+    if (piece.empty()) throw std::runtime_error("the stored input is incomplete");
+    rest += piece;
+  }
+  const InputBundle bundle = split_after_mesh(rest);
+  if (bundle.guides.empty())
+    throw Refusal(ProblemType::kNoSuchOutput, "nothing was drawn on the mesh of this job");
+  return text_answer(200, "application/json", std::string(bundle.guides));
 }
 
 }  // namespace
@@ -161,6 +190,7 @@ void add_result_routes(Router& router, ApiParts& parts) {
   router.add(
       {"GET", job + "/results/{output}", "read", [&parts](Exchange& x) { return get_result(x, parts); }});
   router.add({"GET", job + "/input", "read", [&parts](Exchange& x) { return get_input(x, parts); }});
+  router.add({"GET", job + "/guides", "read", [&parts](Exchange& x) { return get_guides(x, parts); }});
 }
 
 }  // namespace sheetform::server

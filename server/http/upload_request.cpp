@@ -42,6 +42,8 @@ bool is_raw_mesh(const std::string& type) {
 /// What a request says besides the mesh, however it says it. Each thing may be said once.
 class Details {
  public:
+  explicit Details(std::string process) : process_(std::move(process)) {}
+
   void take_text(const std::string& name, const std::string& value) {
     if (name == "tag") return take_tag(value);
     if (name == "filename") return void(name_ = display_name(value));
@@ -49,7 +51,7 @@ class Details {
     const api::ParameterDefinition* d = api::find_parameter(name);
     if (d == nullptr)
       throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
-                    "there are " + all_names() + "; see /api/v1/processes/decompose", name.substr(0, 60));
+                    "there are " + all_names() + "; see /api/v1/processes/" + process_, name.substr(0, 60));
     take_value(name, parameter_value(*d, value));
   }
   void take_json(const api::Json& parameters) {
@@ -64,24 +66,32 @@ class Details {
     if (name_.empty()) name_ = display_name(name);
   }
 
+  /// Refuses what is wrong already; of what is missing, only what cannot come with the body any more.
+  void check(bool more_to_come) const {
+    if (!more_to_come || !sweep() || values_.contains(api::kTolerance)) (void)submission();
+  }
   Submission submission() const {
     Submission s;
+    s.process = process_;
     s.name = name_;
     s.tag = tag_;
     s.refresh = refresh_;
-    s.parameters = understood_parameters(values_);
+    s.parameters = sweep() ? understood_sweep_parameters(values_) : understood_parameters(values_);
     return s;
   }
 
  private:
-  static std::string all_names() {
+  bool sweep() const { return process_ == api::kSweep; }
+  std::string all_names() const {
     std::string names = "tag, filename, cache";
-    for (const api::ParameterDefinition& d : api::parameter_definitions()) names += ", " + d.name;
+    for (const api::ParameterDefinition& d : api::parameter_definitions())
+      if (!sweep() || api::is_sweep_parameter(d.name)) names += ", " + d.name;
     return names;
   }
-  static api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) {
+  api::Json parameter_value(const api::ParameterDefinition& d, const std::string& text) const {
     try {
-      return api::parameter_from_text(d, text);
+      return sweep() && d.name == api::kTolerance ? api::sweep_tolerances_from_text(text)
+                                                  : api::parameter_from_text(d, text);
     } catch (const api::InvalidParameter& e) {
       throw to_core_error(e);
     }
@@ -99,6 +109,7 @@ class Details {
     refresh_ = value == "refresh";
   }
 
+  const std::string process_;
   api::Json values_ = api::Json::object();
   std::string name_, tag_;
   bool refresh_ = false;
@@ -124,7 +135,8 @@ class Form {
   void begin(const PartHead& part) {
     part_ = part;
     text_.clear();
-    if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "request")
+    if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "guides" &&
+        part.name != "request")
       refuse_body("the part " + part.name.substr(0, 60) + " holds a file", part.name.substr(0, 60),
                   "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl");
     if (part.name != "mesh") return;
@@ -135,27 +147,31 @@ class Form {
   void data(std::string_view bytes) {
     if (part_.name == "mesh") return upload_->add(bytes);
     text_.append(bytes);
-    if (text_.size() > (part_.name == "field" ? kFieldFileBytes : kFieldBytes))
-      refuse_body("a part of the form is too large", part_.name.substr(0, 60));
+    const std::size_t most = part_.name == "field"    ? kFieldFileBytes
+                             : part_.name == "guides" ? kGuidesFileBytes
+                                                      : kFieldBytes;
+    if (text_.size() > most) refuse_body("a part of the form is too large", part_.name.substr(0, 60));
   }
   void end() {
     if (part_.name == "mesh") return;
     if (part_.name == "request") return take_request();
     if (text_.empty()) return;  // an empty field of a form is a field left alone
-    if (part_.name == "field") return take_directions();
+    if (part_.name == "field") return keep_beside(directions_);
+    if (part_.name == "guides") return keep_beside(guides_);
     details_.take_text(part_.name, text_);
   }
   std::unique_ptr<Upload> take() {
     if (!upload_) refuse_body("the form has no part mesh", "mesh");
-    upload_->add(after_mesh(upload_->bytes(), directions_));
+    upload_->add(after_mesh(upload_->bytes(), directions_, guides_));
     return std::move(upload_);
   }
 
  private:
-  // The cross field: it follows the mesh in what is stored.
-  void take_directions() {
-    if (!directions_.empty()) refuse_body("there is more than one part field", "field");
-    directions_ = std::move(text_);
+  // The cross field or the strokes: they follow the mesh in what is stored.
+  void keep_beside(std::string& kept) {
+    const std::string name = part_.name;
+    if (!kept.empty()) refuse_body("there is more than one part " + name, name);
+    kept = std::move(text_);
   }
   void take_request() {
     api::Json value;
@@ -173,7 +189,7 @@ class Form {
   JobService& service_;
   Details& details_;
   PartHead part_;
-  std::string text_, directions_;
+  std::string text_, directions_, guides_;
   std::unique_ptr<Upload> upload_;
 };
 
@@ -202,6 +218,11 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
   if (!api::read_execute_request(value, request, problem)) throw Refusal(problem);
   if (!request.tag.empty()) details.take_tag(request.tag);
   details.take_name(request.mesh_name);
+  std::string guides;
+  if (const auto given = request.parameters.find("guides"); given != request.parameters.end()) {
+    guides = api::dump(*given);
+    request.parameters.erase(given);
+  }
   details.take_json(request.parameters);
   std::string bytes;
   if (!from_base64(request.mesh_base64, bytes))
@@ -209,6 +230,7 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
                 "give the bytes of the file in base64, without line breaks");
   std::unique_ptr<Upload> upload = service.begin_upload();
   upload->add(bytes);
+  upload->add(after_mesh(bytes.size(), {}, guides));
   return upload;
 }
 
@@ -246,9 +268,9 @@ UploadRequest read_upload_request(Exchange& exchange, JobService& service) {
   if (exchange.head.has("content-encoding"))
     throw Refusal(ProblemType::kUnsupportedMediaType, "coded bodies are not understood",
                   "send it without Content-Encoding", "Content-Encoding");
-  Details details;
+  Details details(exchange.captures.at(0));
   for (const auto& [name, value] : exchange.query) details.take_text(name, value);
-  (void)details.submission();  // wrong parameters are refused before the upload
+  details.check(json || form);  // wrong parameters are refused before the upload
   const std::string key = idempotency_key(exchange.head);
   Sha256 whole;
   exchange.body.hash_into(whole);

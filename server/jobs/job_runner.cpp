@@ -9,6 +9,7 @@
 
 #include "server/base/log.h"
 #include "server/jobs/refusal.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 namespace {
@@ -88,6 +89,7 @@ ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int inpu
   task.program = parts.program;
   task.input = input;
   task.folder = folder;
+  task.request.mode = claimed.job.process == api::kSweep ? WorkerMode::kSweep : WorkerMode::kDecompose;
   task.request.name = claimed.job.input_name;
   task.request.parameters = api::Json::parse(claimed.job.parameters);
   task.request.threads = l.threads;
@@ -136,6 +138,8 @@ std::vector<StoredOutput> store_outputs(const RunnerParts& parts, int folder,
 }
 
 std::string summary_of(const api::Json& report) {
+  if (const auto curve = report.find("curve"); curve != report.end())
+    return "curve of " + std::to_string(curve->size()) + (curve->size() == 1 ? " tolerance" : " tolerances");
   const int parts = report.value("patches", 0);
   return std::to_string(parts) + (parts == 1 ? " part" : " parts") +
          (report.value("e_max_met", true) ? "" : ", tolerance not met everywhere");

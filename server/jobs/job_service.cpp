@@ -11,7 +11,7 @@
 #include "server/base/identity.h"
 #include "server/base/log.h"
 #include "server/base/version.h"
-#include "sheetform_api/process.h"
+#include "sheetform_api/parameter_schema.h"
 
 namespace sheetform::server {
 namespace {
@@ -111,6 +111,40 @@ api::Json parsed_or_null(const std::string& text) {
   return text.empty() ? api::Json() : api::Json::parse(text);
 }
 
+/// Text of a report without what only the curve needs. Throws Refusal when the sweep has no such point.
+std::string report_of_point(const JobRecord& sweep, const std::string& point) {
+  const api::Json report = parsed_or_null(sweep.report);
+  for (api::Json entry : report.value("curve", api::Json::array())) {
+    if (entry.value("point", "") != point) continue;
+    entry.erase("point");
+    return api::dump(entry);
+  }
+  throw Refusal(ProblemType::kNoSuchOutput, "the sweep has no point " + point.substr(0, 60),
+                "see `curve` in its report for the points");
+}
+
+/// Its result is found again under a key of its own: but for the finest one, it need not be the one that a
+/// job with that tolerance alone would have found.
+NewJob point_of_sweep(const JobRecord& sweep, const std::string& point, Microseconds keep) {
+  NewJob job;
+  job.id = make_uuid();
+  job.principal = sweep.principal;
+  job.process = api::kDecompose;
+  job.version = sweep.version;
+  api::Json parameters = parsed_or_null(sweep.parameters);
+  for (const double tolerance : parameters.at(api::kTolerance).get<std::vector<double>>())
+    if (api::number_text(tolerance) == point) parameters[api::kTolerance] = tolerance;
+  job.parameters = api::dump(parameters);
+  job.tag = sweep.tag;
+  job.input = sweep.input;
+  job.input_name = sweep.input_name;
+  job.input_info = sweep.input_info;
+  job.reuse_key = sha256(reuse_key(job) + sweep.parameters);
+  job.created = now_us();
+  job.expires = job.created + keep;
+  return job;
+}
+
 }  // namespace
 
 Refusal::Refusal(ProblemType type, std::string detail, std::string fix, std::string where)
@@ -194,7 +228,7 @@ NewJob JobService::new_job(Upload& upload, const Submission& s, const std::strin
   NewJob job;
   job.id = make_uuid();
   job.principal = s.principal;
-  job.process = api::kDecompose;
+  job.process = s.process;
   job.version = kVersion;
   job.parameters = api::dump(s.parameters);
   job.tag = s.tag;
@@ -226,6 +260,18 @@ Submitted JobService::accept(Upload& upload, const Submission& s, const std::str
   if (!accepted) accepted = jobs_.accept(job);
   bus_.publish(job.id);
   pool_.wake();
+  return {*accepted, false};
+}
+
+Submitted JobService::open_point(const JobRecord& sweep, const std::string& point) {
+  const ResultPart part{api::point_file(point, {}), report_of_point(sweep, point)};
+  const NewJob job = point_of_sweep(sweep, point, options_.limits.keep_results);
+  const std::shared_lock lock(content_);
+  if (const std::optional<JobRecord> opened = jobs_.find_reusable(sweep.principal, job.reuse_key))
+    return {*opened, true};
+  const std::optional<JobRecord> accepted = jobs_.accept_reused(job, sweep.id, part);
+  if (!accepted) throw Refusal(ProblemType::kNoSuchJob, "the sweep was removed meanwhile");
+  bus_.publish(job.id);
   return {*accepted, false};
 }
 

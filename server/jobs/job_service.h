@@ -10,6 +10,7 @@
 #include "server/jobs/service_limits.h"
 #include "server/jobs/slot_pool.h"
 #include "server/mapping/exports.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 
@@ -24,8 +25,9 @@ struct ServiceOptions {
 /// An upload with everything that decides about it.
 struct Submission {
   std::int64_t principal = 0;
+  std::string process = api::kDecompose;
   std::string name, tag;               ///< display name of the mesh; name of the job
-  api::Json parameters;                ///< complete (understood_parameters)
+  api::Json parameters;                ///< complete (understood_parameters, understood_sweep_parameters)
   std::string idempotency_key, route;  ///< key empty: none
   bool refresh = false;                ///< do not reuse an earlier result
 };
@@ -56,6 +58,10 @@ class JobService {
   std::unique_ptr<Upload> begin_upload() const;
   /// The accept protocol: when it returns, upload and job are on stable storage. Throws Refusal.
   Submitted submit(Upload& upload, const Submission& submission);
+
+  /// One point of a finished sweep as a job of its own, with the result that the sweep has found; the same
+  /// job when it was opened before. Throws Refusal.
+  Submitted open_point(const JobRecord& sweep, const std::string& point);
 
   /// A job that this principal may see, or Refusal kNoSuchJob. principal none: every job.
   JobRecord job(const std::string& id, std::optional<std::int64_t> principal) const;

@@ -19,6 +19,8 @@
 #include "server/mapping/errors.h"
 #include "server/mapping/exports.h"
 #include "server/mapping/run.h"
+#include "sheetform_api/parameter_schema.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 namespace {
@@ -117,23 +119,58 @@ class ProgressSender {
   std::chrono::steady_clock::time_point last_{};
 };
 
-void decompose_job(const WorkerRequest& request) {
-  const MappedInput input(kInputDescriptor);
+RunContext context_of(const WorkerRequest& request) {
   RunContext context;
   context.cancelled = &stop_requested;
   context.threads = request.threads;
   context.progress = ProgressSender();
-  const Outcome outcome = run_decomposition(input.bytes(), request.name, request.parameters, context);
-  WorkerMessage::Result result;
-  for (const OutputFile& file : outcome.files) {
-    write_below(file);
-    result.files.push_back({file.name, file.media_type});
-  }
-  result.report = outcome.report;
-  result.notes = outcome.notes;
+  return context;
+}
+
+void hand_over(const OutputFile& file, WorkerMessage::Result& result) {
+  write_below(file);
+  result.files.push_back({file.name, file.media_type});
+}
+
+void send_result(WorkerMessage::Result result) {
   WorkerMessage m;
   m.result = std::move(result);
   send(m);
+}
+
+void decompose_job(const WorkerRequest& request) {
+  const MappedInput input(kInputDescriptor);
+  RunContext context = context_of(request);
+  const Outcome outcome = run_decomposition(input.bytes(), request.name, request.parameters, context);
+  WorkerMessage::Result result;
+  for (const OutputFile& file : outcome.files) hand_over(file, result);
+  result.report = outcome.report;
+  result.notes = outcome.notes;
+  send_result(std::move(result));
+}
+
+/// The curve, then the files of each point under names that begin with it. The report of each point is kept
+/// whole: it becomes that of a job when the point is opened.
+void sweep_job(const WorkerRequest& request) {
+  const MappedInput input(kInputDescriptor);
+  RunContext context = context_of(request);
+  const SweepOutcome outcome =
+      run_sweep(input.bytes(), request.name, request.parameters,
+                request.parameters.at(api::kTolerance).get<std::vector<double>>(), context);
+  WorkerMessage::Result result;
+  for (const OutputFile& file : outcome.files) hand_over(file, result);
+  api::Json curve = api::Json::array();
+  for (const SweepStep& step : outcome.steps) {
+    for (const OutputFile& file : step.outcome.files)
+      hand_over({api::point_file(step.point, file.name), file.media_type, file.content}, result);
+    api::Json point = step.outcome.report;
+    point["point"] = step.point;
+    point["notes"] = step.outcome.notes;
+    curve.push_back(std::move(point));
+  }
+  result.report = {{"curve", std::move(curve)}};
+  result.notes = api::Json::array();
+  send_result(std::move(result));
 }
 
 void inspect_job(const WorkerRequest& request) {
@@ -170,6 +207,8 @@ void run_request(const WorkerRequest& request) {
   switch (request.mode) {
     case WorkerMode::kDecompose:
       return decompose_job(request);
+    case WorkerMode::kSweep:
+      return sweep_job(request);
     case WorkerMode::kInspect:
       return inspect_job(request);
     case WorkerMode::kExport:

@@ -8,7 +8,7 @@ namespace {
 
 using api::Json;
 
-constexpr std::array<const char*, 4> kModes{"decompose", "inspect", "probe", "export"};
+constexpr std::array<const char*, 5> kModes{"decompose", "inspect", "probe", "export", "sweep"};
 constexpr std::size_t kTextBytes = 400;
 constexpr std::size_t kNameBytes = 64;
 

@@ -19,7 +19,7 @@ inline constexpr int kRequestDescriptor = 6;  ///< one JSON text for the child
 
 inline constexpr std::size_t kStatusLineBytes = 64 * 1024;
 
-enum class WorkerMode { kDecompose, kInspect, kProbe, kExport };
+enum class WorkerMode { kDecompose, kInspect, kProbe, kExport, kSweep };
 
 struct WorkerRequest {
   WorkerMode mode = WorkerMode::kDecompose;

@@ -1,5 +1,6 @@
 #include "server/mapping/parameters.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
@@ -72,6 +73,21 @@ std::string symmetry_text(const DecomposeParams& params) {
   return kOff;
 }
 
+double finest(const api::Json& tolerance) {
+  return tolerance.is_array() ? *std::min_element(tolerance.begin(), tolerance.end()) : tolerance;
+}
+
+template <class Complete>
+api::Json understood(const api::Json& given, Complete complete) {
+  try {
+    api::Json values = complete(given);
+    validate(to_core(values));
+    return values;
+  } catch (const api::InvalidParameter& e) {
+    throw to_core_error(e);
+  }
+}
+
 api::Json number_or_off(const std::optional<double>& value) {
   return value ? api::Json(*value) : api::Json(kOff);
 }
@@ -80,7 +96,7 @@ api::Json number_or_off(const std::optional<double>& value) {
 
 DecomposeParams to_core(const api::Json& values) {
   DecomposeParams p;
-  p.e_max = values.at("e_max");
+  p.e_max = finest(values.at(api::kTolerance));
   p.e_max_mm = optional_number(values, "e_max_mm");
   p.t_junctions = values.at("t_junctions");
   read_symmetry(values.at("symmetry"), p);
@@ -88,6 +104,9 @@ DecomposeParams to_core(const api::Json& values) {
   p.crease_angle = optional_number(values, "creases");
   p.self_seams = values.at("self_seams");
   p.normal_deviation = optional_number(values, "normal_deviation");
+  p.ruling_spacing_min = optional_number(values, "ruling_spacing_min");
+  p.ruling_spacing_max = optional_number(values, "ruling_spacing_max");
+  p.min_bend_radius = optional_number(values, "min_bend_radius");
   p.effort = from_name<Effort>(kEfforts, values.at("effort"));
   p.morph = from_name<MorphKind>(kMorphs, values.at("morph"));
   p.scale = values.at("scale");
@@ -104,6 +123,9 @@ api::Json to_wire(const DecomposeParams& p) {
                    {"creases", number_or_off(p.crease_angle)},
                    {"self_seams", p.self_seams},
                    {"normal_deviation", number_or_off(p.normal_deviation)},
+                   {"ruling_spacing_min", number_or_off(p.ruling_spacing_min)},
+                   {"ruling_spacing_max", number_or_off(p.ruling_spacing_max)},
+                   {"min_bend_radius", number_or_off(p.min_bend_radius)},
                    {"effort", kEfforts[static_cast<std::size_t>(p.effort)]},
                    {"morph", kMorphs[static_cast<std::size_t>(p.morph)]},
                    {"scale", p.scale},
@@ -114,13 +136,11 @@ api::Json to_wire(const DecomposeParams& p) {
 }
 
 api::Json understood_parameters(const api::Json& given) {
-  try {
-    api::Json values = api::complete_parameters(given);
-    validate(to_core(values));
-    return values;
-  } catch (const api::InvalidParameter& e) {
-    throw to_core_error(e);
-  }
+  return understood(given, api::complete_parameters);
+}
+
+api::Json understood_sweep_parameters(const api::Json& given) {
+  return understood(given, api::complete_sweep_parameters);
 }
 
 }  // namespace sheetform::server

@@ -7,7 +7,8 @@
 
 namespace sheetform::server {
 
-/// values: complete and checked (api::complete_parameters). Throws Error kInvalidParameter.
+/// values: complete and checked (api::complete_parameters). Of a sweep, whose tolerance is a list, the finest
+/// one is taken. Throws Error kInvalidParameter.
 DecomposeParams to_core(const api::Json& values);
 /// The reverse; optional parameters that are not set are absent.
 api::Json to_wire(const DecomposeParams& params);

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "server/base/input_bundle.h"
 #include "server/mapping/field_file.h"
+#include "server/mapping/guides_file.h"
 #include "server/mapping/parameters.h"
 #include "sheetform/blueprint/result_writer.h"
 #include "sheetform/decompose.h"
+#include "sheetform/guided.h"
 #include "sheetform/mesh/mesh_io.h"
 #include "sheetform/sweep.h"
 
@@ -27,6 +29,11 @@ MeshFile read_nonempty_mesh(std::string_view bytes, const std::string& name) {
 std::optional<UserField> field_of(const InputBundle& input, const TriangleSoup& soup) {
   if (input.field.empty()) return std::nullopt;
   return read_field(input.field, soup.points.size(), soup.faces.size());
+}
+
+std::optional<UserGuides> guides_of(const InputBundle& input) {
+  if (input.guides.empty()) return std::nullopt;
+  return read_guides(input.guides);
 }
 
 double millimetres_per_unit(const DecomposeParams& params, const Vector3& size) {
@@ -51,6 +58,11 @@ api::Json report_of(const Decomposition& d) {
           {"normal_p95_deg", r.normal_deviation},
           {"normal_deviation_met", r.normal_deviation_met},
           {"normal_worst_place", place_of(r.normal_worst_place)},
+          {"bend_radius_mm", std::isfinite(r.bending.smallest) ? api::Json(r.bending.smallest) : api::Json()},
+          {"bend_place", place_of(r.bending.place)},
+          {"bend_reach_mm", r.bending.reach},
+          {"min_bend_radius_met", r.min_bend_radius_met},
+          {"ruling_spacing_mm", {r.spacing.shortest, r.spacing.longest}},
           {"timings", r.timings},
           {"notes", r.notes}};
 }
@@ -74,8 +86,10 @@ std::vector<OutputFile> files_of(const Decomposition& d) {
 struct ReadInput {
   InputMesh mesh;
   std::optional<UserField> field;
+  std::optional<UserGuides> guides;
   std::vector<std::string> notes;
   const UserField* field_or_null() const { return field ? &*field : nullptr; }
+  const UserGuides* guides_or_null() const { return guides ? &*guides : nullptr; }
 };
 
 ReadInput input_of(std::string_view bytes, const std::string& name, const DecomposeParams& params,
@@ -85,8 +99,10 @@ ReadInput input_of(std::string_view bytes, const std::string& name, const Decomp
   const InputBundle bundle = split_bundle(bytes);
   MeshFile file = read_nonempty_mesh(bundle.mesh, name);
   std::optional<UserField> field = field_of(bundle, file.soup);
+  std::optional<UserGuides> guides = guides_of(bundle);
   context.report(Stage::kRead, 1);
-  return {{std::move(file.soup), file.format, name}, std::move(field), std::move(file.notes)};
+  return {
+      {std::move(file.soup), file.format, name}, std::move(field), std::move(guides), std::move(file.notes)};
 }
 
 Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes) {
@@ -94,12 +110,6 @@ Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes
   Outcome outcome{files_of(d), report_of(d), notes};
   outcome.notes.insert(outcome.notes.end(), d.report.notes.begin(), d.report.notes.end());
   return outcome;
-}
-
-/// The shortest text that reads back as the number.
-std::string number_text(double x) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
 /// The curve of a sweep as a table and as JSON, by ascending tolerance.
@@ -111,13 +121,13 @@ std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
   const auto e_max = [](const SweepStep* s) { return s->outcome.report.at("e_max").get<double>(); };
   std::stable_sort(order.begin(), order.end(),
                    [&](const SweepStep* a, const SweepStep* b) { return e_max(a) < e_max(b); });
-  std::string csv = "folder";
+  std::string csv = "point";
   for (const char* column : kColumns) csv += std::string(",") + column;
   csv += "\r\n";
   api::Json curve = api::Json::array();
   for (const SweepStep* step : order) {
-    api::Json point{{"folder", step->folder}};
-    csv += step->folder;
+    api::Json point{{"point", step->point}};
+    csv += step->point;
     for (const char* column : kColumns) {
       point[column] = step->outcome.report.at(column);
       csv += "," + point[column].dump();
@@ -135,6 +145,8 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
   const InputBundle input = split_bundle(bytes);
   const MeshFile file = read_nonempty_mesh(input.mesh, name);
   (void)field_of(input, file.soup);
+  const std::optional<UserGuides> guides = guides_of(input);
+  if (guides) check_guides(*guides, file.soup);
   Vector3 low = file.soup.points.front(), high = low;
   for (const Vector3& p : file.soup.points) {
     low = low.cwiseMin(p);
@@ -151,6 +163,10 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
     info.box_max[static_cast<std::size_t>(axis)] = high[axis];
   }
   info.scale = millimetres_per_unit(to_core(parameters), high - low);
+  if (guides) {
+    info.seams = static_cast<std::int64_t>(guides->seams.size());
+    info.keep_out = static_cast<std::int64_t>(guides->keep_out.size());
+  }
   return info;
 }
 
@@ -158,7 +174,8 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
                           RunContext& context) {
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
-  const Decomposition result = decompose(input.mesh, params, input.field_or_null(), context);
+  const Decomposition result =
+      decompose(input.mesh, params, input.field_or_null(), context, input.guides_or_null());
   context.report(Stage::kWrite, 0);
   Outcome outcome = outcome_of(result, input.notes);
   context.report(Stage::kWrite, 1);
@@ -170,10 +187,11 @@ SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const ap
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
   SweepOutcome sweep_outcome;
-  const std::vector<Decomposition> results = sweep(input.mesh, params, e_max, input.field_or_null(), context);
+  const std::vector<Decomposition> results =
+      sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null());
   context.report(Stage::kWrite, 0);
   for (const Decomposition& d : results)
-    sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, input.notes)});
+    sweep_outcome.steps.push_back({api::number_text(d.params.e_max), outcome_of(d, input.notes)});
   sweep_outcome.files = curve_of(sweep_outcome.steps);
   context.report(Stage::kWrite, 1);
   return sweep_outcome;

@@ -57,6 +57,12 @@ struct StoredOutput {
   std::int64_t bytes = 0;
 };
 
+/// What of another job's result is reused: the files whose names begin with `prefix`, without it.
+struct ResultPart {
+  std::string prefix;
+  std::string report;  ///< JSON, in place of that job's own; empty: that one
+};
+
 /// One moment of a job, kept for replay.
 struct JobEvent {
   std::int64_t number = 0;

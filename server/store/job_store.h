@@ -23,9 +23,10 @@ class JobStore {
 
   // --- taking jobs in
   JobRecord accept(const NewJob& job);
-  /// A job whose result is that of `source`, another successful job with the same reuse key: successful at
-  /// once. None when that job is gone by now.
-  std::optional<JobRecord> accept_reused(const NewJob& job, const std::string& source);
+  /// A job whose result is that of `source`, another successful job with the same reuse key, or a part of it:
+  /// successful at once. None when that job is gone by now.
+  std::optional<JobRecord> accept_reused(const NewJob& job, const std::string& source,
+                                         const ResultPart& part = {});
   std::optional<IdempotencyRecord> find_idempotency(std::int64_t principal, const std::string& route,
                                                     const std::string& key) const;
   /// Newest successful job of this principal with this key.

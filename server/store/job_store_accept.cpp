@@ -60,23 +60,28 @@ std::int64_t insert_all(SQLite::Database& db, const NewJob& job) {
 }
 
 /// The outputs and the report of `source` become those of `seq`; false when it is not successful any more.
-bool copy_result(SQLite::Database& db, std::int64_t seq, const std::string& source, Microseconds now) {
+bool copy_result(SQLite::Database& db, std::int64_t seq, const std::string& source, const ResultPart& part,
+                 Microseconds now) {
   SQLite::Statement update(
       db,
       "UPDATE job SET state = 'successful', progress = 100, message = 'result of an earlier job', started = "
       "?1, "
-      "finished = ?1, reused_from = ?2, report = s.report FROM (SELECT report FROM job WHERE id = ?2 AND "
-      "state = 'successful') AS s WHERE seq = ?3");
+      "finished = ?1, reused_from = ?2, report = coalesce(nullif(?4, ''), s.report) FROM (SELECT report FROM "
+      "job "
+      "WHERE id = ?2 AND state = 'successful') AS s WHERE seq = ?3");
   update.bind(1, now);
   update.bind(2, source);
   update.bind(3, seq);
+  update.bind(4, part.report);
   if (update.exec() != 1) return false;
   SQLite::Statement copy(
       db,
-      "INSERT INTO output(job, position, name, media, digest) SELECT ?, position, name, media, "
-      "digest FROM output WHERE job = (SELECT seq FROM job WHERE id = ?)");
+      "INSERT INTO output(job, position, name, media, digest) SELECT ?1, position, substr(name, 1 + "
+      "length(?3)), media, digest FROM output WHERE job = (SELECT seq FROM job WHERE id = ?2) AND "
+      "substr(name, 1, length(?3)) = ?3");
   copy.bind(1, seq);
   copy.bind(2, source);
+  copy.bind(3, part.prefix);
   return copy.exec() > 0;
 }
 
@@ -89,12 +94,13 @@ JobRecord JobStore::accept(const NewJob& job) {
   });
 }
 
-std::optional<JobRecord> JobStore::accept_reused(const NewJob& job, const std::string& source) {
+std::optional<JobRecord> JobStore::accept_reused(const NewJob& job, const std::string& source,
+                                                 const ResultPart& part) {
   struct SourceGone {};
   try {
     return state_->file.write([&](SQLite::Database& db) -> std::optional<JobRecord> {
       const std::int64_t seq = insert_all(db, job);
-      if (!copy_result(db, seq, source, job.created)) throw SourceGone();
+      if (!copy_result(db, seq, source, part, job.created)) throw SourceGone();
       write_event(db, seq, job.created);
       return find_job(db, job.id);
     });

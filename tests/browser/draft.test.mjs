@@ -35,28 +35,50 @@ it("makes a quick draft that says so", async () => {
   await window.shot("draft-1");
 });
 
-it("tries other tolerances and draws them", async () => {
-  await page.getByRole("button", { name: "Try other tolerances" }).click();
-  await page.waitForFunction(() => document.querySelectorAll(".chart a").length >= 4, null);
-  await page.locator(".trade-off .busy").waitFor({ state: "detached" });
+it("compares tolerances in one job and draws them", async () => {
+  await page.getByRole("button", { name: "Compare tolerances" }).click();
+  await page.getByText("Every point is a result").waitFor();
   await page.locator(".trade-off").scrollIntoViewIfNeeded();
   await window.shot("draft-2-curve");
   const points = await page.locator(".chart a").count();
+  const sweeps = (await (await fetch(`${server.url}api/v1/jobs?processID=sweep`)).json()).jobs;
+  assert.equal(sweeps.length, 1);
+  assert.equal(points, 1 + sweeps[0].report.curve.length);
+  assert.equal(sweeps[0].parameters.effort, "draft");
+  assert.equal(await page.getByRole("button", { name: "Compare tolerances" }).count(), 0);
   await page.getByRole("radio", { name: "Length to cut" }).check();
   await page.locator(".chart").getByText("metres to cut").waitFor();
   assert.equal(await page.locator(".chart a").count(), points);
   await window.shot("draft-3-cut");
 });
 
-it("opens the result of a point", async () => {
+it("opens the result of a point, which is not computed again", async () => {
   const before = (await shownJob()).jobID;
+  const points = await page.locator(".chart a").count();
   const coarsest = page.locator(".chart a:not([aria-current])").last();
   const href = await coarsest.getAttribute("href");
   await coarsest.focus();
   await page.keyboard.press("Enter");
-  await page.waitForFunction((hash) => location.hash === hash, href);
+  await page.waitForFunction((old) => !location.hash.includes(old) && location.hash.split("/").length === 2, before);
   await window.ready();
-  assert.notEqual((await shownJob()).jobID, before);
+  const job = await shownJob();
+  assert.equal(`#job/${job.reusedFrom}/${job.parameters.e_max}`, href);
+  assert.equal(job.attempt, 0);
+  assert.equal(await page.locator(".flat .part").count(), job.report.patches);
+  // It is a point of the same curve, now as the one that is shown.
+  assert.equal(await page.locator(".chart a").count(), points);
+  assert.match(await page.locator(".chart a[aria-current]").getAttribute("aria-label"), /shown now/);
+  await window.shot("draft-4-point");
+});
+
+it("shows the sweep itself as a list, from which the way back leads", async () => {
+  const { reusedFrom, jobID } = await shownJob();
+  await window.goto(`#job/${reusedFrom}`);
+  assert.equal(await page.locator(".points tbody tr").count(), 6);
+  await window.shot("draft-5-sweep");
+  await page.locator(".points a").last().click();
+  await page.waitForFunction((id) => location.hash === `#job/${id}`, jobID);
+  await window.ready();
 });
 
 it("makes it properly from the draft", async () => {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, it } from "node:test";
 import { Window, launch } from "./support/browser.mjs";
-import { flatLine, letter, tubeStl } from "./support/meshes.mjs";
+import { finned, flatLine, letter, tubeStl } from "./support/meshes.mjs";
 import { Server } from "./support/server.mjs";
 
 let server;
@@ -60,6 +60,31 @@ it("a number out of range is refused where it is typed", async () => {
   await page.getByLabel("Largest number of sides").fill("5");
   assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isEnabled());
   await page.getByText("More settings").click();
+});
+
+it("shows where a mesh was repaired", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(finned());
+  await page.getByText(/8 edges of the mesh have more than two faces/).waitFor();
+  await page.getByRole("button", { name: "Quick draft" }).click();
+  await window.ready();
+  const id = new URL(page.url()).hash.slice(5);
+  const files = await (await fetch(`${server.url}api/v1/jobs/${id}/results`)).json();
+  const { audit } = await (await fetch(new URL(files["layout.json"].href, server.url))).json();
+  const finding = audit.findings.find(({ kind }) => kind === "non-manifold-edge");
+  assert.equal(finding.places.length, 8);
+  for (const [x] of finding.places) assert.equal(x, 40);
+  const view = page.locator(".view3d");
+  const before = await view.screenshot();
+  const button = page.getByRole("button", { name: /Show where: 8 edges/ });
+  await button.click();
+  await page.waitForTimeout(100);
+  assert.equal(await button.getAttribute("aria-pressed"), "true");
+  const marked = await view.screenshot({ path: `${process.env.SHEETFORM_ARTEFACTS ?? "artefacts"}/error-3-repaired.png` });
+  assert.ok(!marked.equals(before), "nothing was marked");
+  await button.click();
+  await page.waitForTimeout(100);
+  assert.ok((await view.screenshot()).equals(before), "the marks stay");
 });
 
 it("a job that is not there is told apart from one that failed", async () => {

@@ -63,7 +63,15 @@ it("a first visit up to the 3D view weighs less than 300 KB", async () => {
 
 it("settings are accessible", async () => {
   await page.getByText("More settings").click();
+  await page.getByRole("radio", { name: "No seams" }).check();
+  const box = await page.locator(".canvas3d").boundingBox();
+  await page.mouse.move(box.x + 0.36 * box.width, box.y + 0.55 * box.height);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.4 * box.width, box.y + 0.6 * box.height, { steps: 5 });
+  await page.mouse.up();
+  await page.locator(".guide-list li").waitFor();
   await accessible("settings");
+  await page.getByRole("button", { name: "Remove No seams 1" }).click();
 });
 
 it("the result is accessible", async () => {
@@ -78,6 +86,17 @@ it("the result is accessible", async () => {
   await page.locator(".sheet-preview img").waitFor();
   await page.getByText("More about the files").click();
   await accessible("files");
+});
+
+it("the comparison of tolerances is accessible", async () => {
+  await page.getByRole("tab", { name: "Result" }).click();
+  await page.getByRole("button", { name: "Compare tolerances" }).click();
+  await page.getByText("Every point is a result").waitFor();
+  await accessible("curve");
+  const { jobs } = await (await fetch(`${server.url}api/v1/jobs?processID=sweep`)).json();
+  await window.goto(`#job/${jobs[0].jobID}`);
+  await page.locator(".points").waitFor();
+  await accessible("sweep");
 });
 
 it("first page and errors are accessible", async () => {

@@ -413,7 +413,7 @@ class Description(ServerCase):
         self.assertEqual(process["jobControlOptions"], ["async-execute", "dismiss"])
         self.assertEqual(process["inputs"]["e_max"]["schema"]["default"], 0.02)
         listed = self.server.get("/api/v1/processes").json()["processes"]
-        self.assertEqual([p["id"] for p in listed], ["decompose"])
+        self.assertEqual([p["id"] for p in listed], ["decompose", "sweep"])
 
     def test_limits_and_health(self):
         self.assertEqual(self.server.get("/api/v1/limits").json()["uploadBytes"], 256 << 20)

@@ -57,10 +57,18 @@ export const getJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`);
 export const listJobs = async (limit = 100) => (await json(`${ROOT}/jobs?limit=${limit}`)).jobs;
 export const dismissJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`, { method: "DELETE" });
 export const retryJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
+/** A point of a sweep as a job of its own, without computing it again. */
+export const openPoint = (sweep, point) =>
+  json(`${ROOT}/jobs/${encodeURIComponent(sweep)}/points/${encodeURIComponent(point)}`, { method: "POST" });
 export const getResults = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/results`);
 export const getExports = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/exports`);
 export const getJson = (href) => json(href);
 export const fileHref = (id, name) => `${ROOT}/jobs/${encodeURIComponent(id)}/results/${name}?inline=1`;
+/** What was drawn on the job's mesh, as it was sent; null when nothing was. */
+export const getGuides = async (job) => {
+  const link = job.links?.find(({ rel }) => rel === "guides");
+  return link ? json(link.href) : null;
+};
 export const getText = async (href) => (await request(href)).text();
 export const getInput = async (id) => (await request(`${ROOT}/jobs/${encodeURIComponent(id)}/input`)).blob();
 
@@ -84,15 +92,16 @@ export function queryOf(parameters) {
 
 /**
  * Uploads a mesh and starts a job; resolves with its statusInfo.
- * onProgress(fraction) tells how much of the upload has left; `signal` aborts it. XMLHttpRequest, because fetch does not
- * report the progress of an upload.
+ * onProgress(fraction) tells how much of the upload has left; `signal` aborts it. `guides`: what was drawn on the mesh, as
+ * Guides.wire() says it, or null. XMLHttpRequest, because fetch does not report the progress of an upload.
  */
-export function execute(mesh, parameters, { tag, filename, onProgress, signal } = {}) {
+export function execute(mesh, parameters, options = {}) {
+  const { process = "decompose", guides = null, tag, filename, onProgress, signal } = options;
   const query = queryOf({ ...parameters, tag, filename });
   return new Promise((resolve, reject) => {
     const xhr = new XMLHttpRequest();
-    xhr.open("POST", `${ROOT}/processes/decompose/execution?${query}`);
-    xhr.setRequestHeader("Content-Type", "application/octet-stream");
+    xhr.open("POST", `${ROOT}/processes/${process}/execution?${query}`);
+    if (!guides) xhr.setRequestHeader("Content-Type", "application/octet-stream");
     xhr.setRequestHeader("Accept", "application/json");
     xhr.upload.onprogress = (event) => event.lengthComputable && onProgress?.(event.loaded / event.total);
     xhr.onload = async () => {
@@ -103,8 +112,15 @@ export function execute(mesh, parameters, { tag, filename, onProgress, signal } 
     xhr.onerror = () => reject(unreachable());
     xhr.onabort = () => reject(new DOMException("stopped", "AbortError"));
     signal?.addEventListener("abort", () => xhr.abort());
-    xhr.send(mesh);
+    xhr.send(guides ? formOf(mesh, guides, filename) : mesh);
   });
+}
+
+function formOf(mesh, guides, filename) {
+  const form = new FormData();
+  form.append("mesh", mesh, filename || "mesh");
+  form.append("guides", JSON.stringify(guides));
+  return form;
 }
 
 /**

@@ -2,10 +2,10 @@
 import { getLimits } from "./api.js";
 import { bytes } from "./format.js";
 import { materialOf, offeredScale } from "./materials.js";
+import { Guides } from "./guides.js";
 import { MeshError } from "./mesh/read_mesh.js";
 import { inspectFile } from "./worker/client.js";
 import { recall } from "./prefs.js";
-import { asAsked } from "./variants.js";
 
 export const ACCEPTED = ".stl,.obj,.ply,.off,model/stl,model/obj";
 
@@ -14,7 +14,10 @@ class Drafts {
   current = 0;
   listeners = new Set();
 
-  /** Begins a draft for each file; earlier drafts go. `like` = values of an earlier job to begin with. */
+  /**
+   * Begins a draft for each file; earlier drafts go. `like` = {tag, scale, values, guides} of an earlier job to begin
+   * with; guides as they travel.
+   */
   open(files, like = null) {
     this.list = [...files].map((file) => makeDraft(file, like));
     this.current = 0;
@@ -82,12 +85,11 @@ function makeDraft(file, like) {
     error: null,
     like,
     up: null,
+    guides: new Guides(like?.guides),
     tag: like?.tag ?? "",
-    scale: like?.parameters?.scale ?? 1,
+    scale: like?.scale ?? 1,
     material,
-    values: like?.parameters
-      ? asAsked(like.parameters)
-      : { e_max: materialOf(material).tolerance, ...recall("values", {}) },
+    values: { e_max: materialOf(material).tolerance, ...(like?.values ?? recall("values", {})) },
   };
 }
 

@@ -1,5 +1,5 @@
-// The page's frame: header, routes (#, #new, #job/<id>), files dropped anywhere, light and dark.
-import { ProblemError, getProcess, openSession } from "./api.js";
+// The page's frame: header, routes (#, #new, #job/<id>, #job/<sweep>/<point>), files dropped anywhere, light and dark.
+import { ProblemError, getProcess, openPoint, openSession } from "./api.js";
 import { h, replace } from "./dom.js";
 import { drafts } from "./drafts.js";
 import { jobs } from "./jobs.js";
@@ -8,6 +8,7 @@ import { homePage } from "./ui/home.js";
 import { icon } from "./ui/icons.js";
 import { problemBox } from "./ui/problem.js";
 import { setTheme } from "./view/theme.js";
+import { inherit } from "./variants.js";
 
 const THEMES = ["auto", "light", "dark"];
 const THEME_ICON = { auto: "auto", light: "sun", dark: "moon" };
@@ -77,16 +78,25 @@ class App {
   async route() {
     const hash = location.hash;
     const turn = (this.turn = Symbol(hash));
-    if (hash !== "#new" && !hash.startsWith("#job/")) return this.show(homePage(this));
+    if (hash !== "#new" && !hash.startsWith("#job/")) return this.show(() => homePage(this));
     try {
       await this.load();
       if (this.turn !== turn) return;
-      const id = decodeURIComponent(hash.slice(5));
-      if (hash === "#new") this.show(drafts.draft ? this.pages.setupPage(this) : homePage(this));
-      else this.show(this.pages.jobPage({ ...this, go: this.go, id }));
+      const [id, point] = hash.slice(5).split("/").map(decodeURIComponent);
+      if (point) return await this.toPoint(id, point);
+      if (hash === "#new") this.show(() => (drafts.draft ? this.pages.setupPage(this) : homePage(this)));
+      else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
     } catch (error) {
       if (this.turn === turn) this.showProblem(error);
     }
+  }
+
+  /** A point of a sweep becomes a job, and its page takes the place of this one. */
+  async toPoint(sweep, point) {
+    const job = await openPoint(sweep, point);
+    inherit(sweep, job.jobID);
+    jobs.put(job);
+    location.replace(`#job/${job.jobID}`);
   }
 
   /** What the work pages need: 3D and the description of the parameters. Fetched once. */
@@ -97,9 +107,10 @@ class App {
     this.stage ??= new pages.Stage();
   }
 
-  show(page) {
+  /** The old page goes before the new one is made: they share the stage. */
+  show(makePage) {
     this.page?.dispose?.();
-    this.page = page;
+    const page = (this.page = makePage());
     document.title = page.title ? `${page.title} · sheetform` : "sheetform: from mesh to sheets";
     replace(this.host, page.element);
     delete document.documentElement.dataset.ready;
@@ -110,7 +121,7 @@ class App {
     const token =
       error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
     const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
-    this.show({
+    this.show(() => ({
       title: "",
       element: h(
         "main",
@@ -118,7 +129,7 @@ class App {
         h("h1", { class: "visually-hidden" }, "sheetform"),
         problemBox(error, token ?? again),
       ),
-    });
+    }));
   }
 
   showConnection() {

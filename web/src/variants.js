@@ -1,33 +1,44 @@
 // The same mesh again with other parameters, without uploading it from the person's disk.
-import { execute, getInput } from "./api.js";
+import { execute, getGuides, getInput } from "./api.js";
 import { jobs } from "./jobs.js";
-import { recall, remember } from "./prefs.js";
+import { keepPicture, recall, remember } from "./prefs.js";
 
-/** Parameters as they were asked for; what the server filled in by itself is left out. */
-export function asAsked(parameters = {}) {
-  return Object.fromEntries(
-    Object.entries(parameters).filter(
-      ([name, value]) => value !== null && name !== "e_max_mm" && name !== "target_size",
-    ),
+/** Millimetres for one unit of the mesh, as in force. */
+export const scaleOf = (job) => job.inputs?.mesh?.scale ?? job.parameters?.scale ?? 1;
+
+/** Parameters as they were asked for, with size and tolerance as in force: a scale and a fraction of the diagonal. */
+export function asAsked(job) {
+  const { e_max_mm, target_size, ...rest } = job.parameters ?? {};
+  void target_size;
+  const asked = { ...rest, scale: scaleOf(job) };
+  const diagonal = (job.inputs?.mesh?.bboxDiagonal ?? 0) * asked.scale;
+  if (e_max_mm && diagonal) asked.e_max = Number((e_max_mm / diagonal).toPrecision(6));
+  return Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null));
+}
+
+/** Starts a job of the mesh of `job` with parameters that differ in `change`; resolves with the new job. */
+async function again(job, change, options = {}) {
+  const [mesh, guides] = await Promise.all([getInput(job.jobID), getGuides(job)]);
+  const next = await execute(
+    mesh,
+    { ...asAsked(job), ...change },
+    { guides, tag: job.tag, filename: job.inputs?.mesh?.name, ...options },
   );
+  inherit(job.jobID, next.jobID);
+  jobs.put(next);
+  return next;
 }
 
-/** Starts one job for each of `changes` (parameters that differ from those of `job`); resolves with the jobs. */
-export async function startVariants(job, changes) {
-  const mesh = await getInput(job.jobID);
+/** What only this device knows of a job: the new one is of the same material, stands the same way up, looks alike. */
+export function inherit(from, to) {
   const known = recall("jobs", {});
-  const started = [];
-  for (const change of changes) {
-    const next = await execute(
-      mesh,
-      { ...asAsked(job.parameters), ...change },
-      { tag: job.tag, filename: job.inputs?.mesh?.name },
-    );
-    // The new job is of the same material and stands the same way up.
-    known[next.jobID] = known[job.jobID] ?? {};
-    remember("jobs", known);
-    jobs.put(next);
-    started.push(next);
-  }
-  return started;
+  known[to] ??= known[from] ?? {};
+  remember("jobs", known);
+  const pictures = recall("pictures", {});
+  keepPicture(to, pictures[to] ?? pictures[from]);
 }
+
+export const startVariant = (job, change) => again(job, change);
+
+/** One job for several tolerances (fractions of the diagonal). */
+export const startSweep = (job, tolerances) => again(job, { e_max: tolerances.join(",") }, { process: "sweep" });

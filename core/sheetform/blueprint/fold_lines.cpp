@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -39,6 +40,42 @@ std::vector<int> pieces_of(std::size_t triangles, const std::vector<Crease>& cre
   std::vector<int> piece(triangles);
   for (std::size_t i = 0; i < triangles; ++i) piece[i] = find(static_cast<int>(i));
   return piece;
+}
+
+double flat_area(const StripMesh::Triangle& t, const std::vector<Vector2>& flat) {
+  const Vector2 u = flat[t.vt[1]] - flat[t.vt[0]], v = flat[t.vt[2]] - flat[t.vt[0]];
+  return std::abs(u.x() * v.y() - u.y() * v.x()) / 2;
+}
+
+// Mean widths of the pieces outside of the first and of the last ruling.
+std::array<double, 2> end_widths(const StripMesh::Patch& patch, const std::vector<Crease>& creases,
+                                 const std::vector<Vector2>& flat) {
+  const std::vector<int> piece = pieces_of(patch.triangles.size(), creases);
+  std::vector<double> area(piece.size(), 0);
+  std::vector<int> rulings_at(piece.size(), 0);
+  for (std::size_t t = 0; t < piece.size(); ++t) area[piece[t]] += flat_area(patch.triangles[t], flat);
+  int rulings = 0;
+  for (const Crease& c : creases)
+    for (int t : c.triangles)
+      if (c.ruling >= 0) ++rulings_at[piece[t]], ++rulings;
+  std::array<double, 2> widths{0, 0};
+  const Crease *first = &creases.front(), *last = first + rulings / 2 - 1;
+  for (int side : {0, 1}) {
+    const Crease& c = side == 0 ? *first : *last;
+    const int outer = rulings_at[piece[c.triangles[side]]] == 1 ? side : 1 - side;
+    if (rulings_at[piece[c.triangles[outer]]] == 1)
+      widths[side] =
+          area[piece[c.triangles[outer]]] / std::max((flat[c.vt[1]] - flat[c.vt[0]]).norm(), 1e-300);
+  }
+  return widths;
+}
+
+// How far along the patch the middle of each ruling lies.
+std::vector<double> middles_along(const std::vector<std::array<Vector2, 2>>& lines) {
+  std::vector<double> at(lines.size(), 0);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    at[i] = at[i - 1] + ((lines[i][0] + lines[i][1]) - (lines[i - 1][0] + lines[i - 1][1])).norm() / 2;
+  return at;
 }
 
 // One pass of the binomial filter 1/4, 1/2, 1/4; what would leave at an end stays there, so the sum is kept.
@@ -112,6 +149,50 @@ std::vector<double> evened_turns(const std::vector<double>& turns) {
   std::vector<double> even = turns;
   for (int pass = 0; pass < kSmoothingPasses; ++pass) even = smoothed(even);
   return even;
+}
+
+std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& creases,
+                                                 const std::vector<Vector2>& flat) {
+  std::vector<std::array<Vector2, 2>> out;
+  for (const Crease& c : creases) {
+    if (c.ruling < 0) continue;
+    std::array<Vector2, 2> s{flat[c.vt[0]], flat[c.vt[1]]};
+    if (!out.empty() && (s[0] - out.back()[0]).squaredNorm() + (s[1] - out.back()[1]).squaredNorm() >
+                            (s[1] - out.back()[0]).squaredNorm() + (s[0] - out.back()[1]).squaredNorm())
+      std::swap(s[0], s[1]);
+    out.push_back(s);
+  }
+  return out;
+}
+
+std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
+                               const std::vector<Vector2>& flat, double reach) {
+  const auto lines = flat_rulings(creases, flat);
+  const std::vector<double> turns = ruling_turns(strips, patch, creases);
+  std::vector<double> at = middles_along(lines), radii(lines.size(), std::numeric_limits<double>::infinity());
+  if (lines.empty()) return radii;
+  // Each ruling's share of the way, as far as halfway to its neighbours, and the turn up to there.
+  const std::size_t n = lines.size();
+  const auto [front, back] = end_widths(strips.patches[patch], creases, flat);
+  std::vector<double> border{at[0] - front / 2}, turned{0};
+  for (std::size_t i = 0; i < n; ++i) {
+    border.push_back(i + 1 < n ? (at[i] + at[i + 1]) / 2 : at[i] + back / 2);
+    turned.push_back(turned.back() + turns[i] / kDegrees);
+  }
+  const auto turned_up_to = [&](double x) {
+    const std::size_t k = std::upper_bound(border.begin() + 1, border.end() - 1, x) - border.begin();
+    const double share = border[k] - border[k - 1];
+    return turned[k - 1] + (turned[k] - turned[k - 1]) * (share > 0 ? (x - border[k - 1]) / share : 1);
+  };
+  const double span = std::min(reach, border.back() - border.front());
+  for (std::size_t i = 0; i < n; ++i) {
+    const double wide = std::max(span, border[i + 1] - border[i]);
+    const double from =
+        std::clamp(at[i] - wide / 2, border.front(), std::max(border.front(), border.back() - wide));
+    const double turn = std::abs(turned_up_to(from + wide) - turned_up_to(from));
+    if (turn > 1e-9) radii[i] = wide / turn;
+  }
+  return radii;
 }
 
 std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, double step, double hidden) {

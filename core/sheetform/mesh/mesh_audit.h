@@ -7,14 +7,17 @@
 
 namespace sheetform {
 
-/// One kind of finding with its number and the first place.
+/// Most places that are kept of one kind of finding.
+inline constexpr std::size_t kMarkedPlaces = 20;
+
+/// One kind of finding with its number and the first places.
 struct AuditFinding {
   std::string kind;  ///< stable name, e.g. "non-manifold-edge", "duplicate-face", "unused-vertex",
                      ///< "opposite-orientation"
   int count = 0;
   std::string
       text;  ///< for people, says also what was done: "3 edges with more than two faces were cut open"
-  Vector3 place = Vector3::Zero();  ///< of the first one
+  std::vector<Vector3> places;  ///< where, units of the mesh; at least one, kMarkedPlaces at most
 };
 
 struct MeshAudit {

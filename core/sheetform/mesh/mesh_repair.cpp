@@ -20,15 +20,28 @@ constexpr double kNear = 1e-9;        // of the diagonal: points that are meant 
 constexpr double kGap = 1e-5;         // of the diagonal: between copies of a vertex that was split
 constexpr double kLeastArea = 1e-10;  // of the squared diagonal
 
+// The first places of one kind of finding.
+class Places {
+ public:
+  void add(const Vector3& place) {
+    if (list_.size() < kMarkedPlaces) list_.push_back(place);
+  }
+  std::vector<Vector3> list() && { return std::move(list_); }
+
+ private:
+  std::vector<Vector3> list_;
+};
+
 // The soup while it is repaired, with what is known about where its parts come from.
 struct Work {
   TriangleSoup soup;
   std::vector<int> face_origin, point_origin;
   std::vector<AuditFinding> findings;
 
-  void note(const std::string& kind, std::size_t count, const std::string& text, const Vector3& place) {
+  void note(const std::string& kind, std::size_t count, const std::string& text, Places places) {
     if (count > 0)
-      findings.push_back({kind, static_cast<int>(count), std::to_string(count) + " " + text, place});
+      findings.push_back(
+          {kind, static_cast<int>(count), std::to_string(count) + " " + text, std::move(places).list()});
   }
 };
 
@@ -51,18 +64,19 @@ void drop_unused(Work& work) {
   std::vector<int> id(work.soup.points.size(), -1);
   for (const auto& f : work.soup.faces)
     for (int v : f) id[v] = 0;
-  int count = 0, first = -1;
+  int count = 0;
+  Places places;
   for (std::size_t i = 0; i < id.size(); ++i) {
     if (id[i] < 0) {
-      if (first < 0) first = static_cast<int>(i);
+      places.add(work.soup.points[i]);
       continue;
     }
     id[i] = count;
     work.point_origin[count++] = work.point_origin[i];
   }
-  if (first < 0) return;
+  if (static_cast<std::size_t>(count) == id.size()) return;
   work.note("unused-vertex", work.soup.points.size() - static_cast<std::size_t>(count),
-            "vertices without a face were left out", work.soup.points[first]);
+            "vertices without a face were left out", std::move(places));
   for (std::size_t i = 0; i < id.size(); ++i)
     if (id[i] >= 0) work.soup.points[id[i]] = work.soup.points[i];
   work.soup.points.resize(count);
@@ -72,16 +86,15 @@ void drop_unused(Work& work) {
 }
 
 void merge(Work& work, const std::vector<int>& classes, const char* text) {
-  std::size_t first = 0;  // point that has an equal one before it
   int count = 0;
+  Places places;
   for (std::size_t i = 0; i < classes.size(); ++i) {
     if (classes[i] == count)
       work.point_origin[count++] = work.point_origin[i];
-    else if (first == 0)
-      first = i;
+    else
+      places.add(work.soup.points[i]);
   }
-  work.note("duplicate-vertex", classes.size() - static_cast<std::size_t>(count), text,
-            work.soup.points.empty() ? Vector3(0, 0, 0) : work.soup.points[first]);
+  work.note("duplicate-vertex", classes.size() - static_cast<std::size_t>(count), text, std::move(places));
   work.point_origin.resize(count);
   merge_classes(classes, work.soup.points, work.soup.faces);
 }
@@ -90,11 +103,11 @@ void merge(Work& work, const std::vector<int>& classes, const char* text) {
 template <class Keep>
 void filter_faces(Work& work, const char* kind, const char* text, const Keep& keep) {
   std::size_t kept = 0;
-  Vector3 place = Vector3::Zero();
+  Places places;
   const std::size_t before = work.soup.faces.size();
   for (std::size_t f = 0; f < before; ++f) {
     if (!keep(f)) {
-      if (kept == f) place = work.soup.points[work.soup.faces[f][0]];
+      places.add(work.soup.points[work.soup.faces[f][0]]);
       continue;
     }
     work.soup.faces[kept] = work.soup.faces[f];
@@ -102,7 +115,7 @@ void filter_faces(Work& work, const char* kind, const char* text, const Keep& ke
   }
   work.soup.faces.resize(kept);
   work.face_origin.resize(kept);
-  work.note(kind, before - kept, text, place);
+  work.note(kind, before - kept, text, std::move(places));
 }
 
 void drop_collapsed(Work& work) {
@@ -142,20 +155,22 @@ bool is_clean(const TriangleSoup& soup, const Gluing& g) {
 
 void note_topology(Work& work, const Gluing& g) {
   const TriangleSoup& soup = work.soup;
-  auto place = [&](const std::vector<int>& sides) {
-    return sides.empty() ? Vector3(0, 0, 0) : side_middle(soup, sides[0]);
+  auto middles = [&](const std::vector<int>& sides) {
+    Places places;
+    for (int s : sides) places.add(side_middle(soup, s));
+    return places;
   };
   work.note("non-manifold-edge", g.crowded.size(), "edges with more than two faces were cut open",
-            place(g.crowded));
-  const auto turned = std::find(g.turned.begin(), g.turned.end(), 1) - g.turned.begin();
+            middles(g.crowded));
+  Places turned;
+  for (std::size_t f = 0; f < g.turned.size(); ++f)
+    if (g.turned[f]) turned.add(soup.points[soup.faces[f][0]]);
   work.note("opposite-orientation", static_cast<std::size_t>(std::count(g.turned.begin(), g.turned.end(), 1)),
-            "faces were turned over to match the majority of their component",
-            turned < static_cast<std::ptrdiff_t>(g.turned.size()) ? soup.points[soup.faces[turned][0]]
-                                                                  : Vector3(0, 0, 0));
+            "faces were turned over to match the majority of their component", std::move(turned));
   work.note("non-orientable", static_cast<std::size_t>(g.one_sided_components),
             "components with a single side (as a Moebius strip) were cut open along " +
                 std::to_string(g.cut.size()) + " edges",
-            place(g.cut));
+            middles(g.cut));
 }
 
 // Vertices that fall apart though no edge at them was cut.
@@ -164,15 +179,14 @@ void note_bow_ties(Work& work, const Gluing& g, const std::vector<int>& origin) 
   for (const auto* sides : {&g.crowded, &g.cut})
     for (int s : *sides)
       for (int k = 0; k < 2; ++k) at_cut[work.soup.faces[s / 3][(s % 3 + k) % 3]] = 1;
-  int count = 0, first = -1;
+  std::size_t count = 0;
+  Places places;
   for (std::size_t i = 1; i < origin.size(); ++i)
     if (origin[i] == origin[i - 1] && !at_cut[origin[i]] && (i == 1 || origin[i - 2] != origin[i])) {
       ++count;
-      if (first < 0) first = origin[i];
+      places.add(work.soup.points[origin[i]]);
     }
-  work.note("bow-tie-vertex", static_cast<std::size_t>(count),
-            "vertices where parts touch in a point were split",
-            first < 0 ? Vector3(0, 0, 0) : work.soup.points[first]);
+  work.note("bow-tie-vertex", count, "vertices where parts touch in a point were split", std::move(places));
 }
 
 // Copies of one vertex are moved apart, each into its own fan: two vertices at one place would make results
@@ -285,21 +299,29 @@ void note_inside_out(Work& work, const SurfaceMesh& mesh, const std::vector<int>
   for (const auto& e : mesh.edges)
     if (e.border()) open[component[e.f0]] = 1;
   const std::vector<double> volume = component_volumes(mesh, component, count);
+  std::vector<char> seen(count, 0);
   std::size_t inward = 0;
-  Vector3 place = Vector3::Zero();
-  for (int f = mesh.face_count() - 1; f >= 0; --f)
-    if (!open[component[f]] && volume[component[f]] < 0) place = mesh.points[mesh.faces[f][0]];
-  for (int c = 0; c < count; ++c) inward += !open[c] && volume[c] < 0;
-  work.note("inside-out", inward, "closed components point inward; their orientation was kept", place);
+  Places places;  // one a component
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const int c = component[f];
+    if (open[c] || !(volume[c] < 0) || std::exchange(seen[c], 1)) continue;
+    ++inward;
+    places.add(mesh.points[mesh.faces[f][0]]);
+  }
+  work.note("inside-out", inward, "closed components point inward; their orientation was kept",
+            std::move(places));
 }
 
 void note_flat(Work& work, const SurfaceMesh& mesh, double diagonal) {
   std::size_t flat = 0;
-  Vector3 place = Vector3::Zero();
-  for (int f = mesh.face_count() - 1; f >= 0; --f)
-    if (!(mesh.face_normal_raw(f).norm() > 1e-14 * diagonal * diagonal))
-      ++flat, place = mesh.points[mesh.faces[f][0]];
-  work.note("zero-area-face", flat, "faces have no area; they were kept, remeshing removes them", place);
+  Places places;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (!(mesh.face_normal_raw(f).norm() > 1e-14 * diagonal * diagonal)) {
+      ++flat;
+      places.add(mesh.points[mesh.faces[f][0]]);
+    }
+  work.note("zero-area-face", flat, "faces have no area; they were kept, remeshing removes them",
+            std::move(places));
 }
 
 void fill_audit(const TriangleSoup& soup, Work& work, RepairResult& result) {

@@ -70,7 +70,8 @@ std::vector<double> outline_samples(const SearchSurface& surface, const Arch& ar
                                     const EvaluationParams& params) {
   const auto edges = static_cast<double>(arch.edges.size());
   if (surface.is_straight(arch)) return {0, edges};
-  if (params.sparsest >= 1) return sample_arch(surface.mesh, arch, params.spacing);
+  if (params.sparsest >= 1 || surface.spacing.any())
+    return sample_arch(surface.mesh, arch, surface.spacing.divide(arch.length, params.spacing));
   const Measure measure(surface, arch, params);
   const int least = arch.closed() ? 6 : 2;
   const int segments = std::max(least, static_cast<int>(std::lround(measure.whole())));

@@ -27,6 +27,20 @@ export const letter = () => file("letter.obj", "Dear reader,\nthis is not a mesh
 /** Readable, but without any area: nothing can be made of it. */
 export const flatLine = () => file("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\nf 2 3 4\n");
 
+/** A sheet with a fin that stands on its middle: eight edges have three faces. */
+export function finned(name = "fin.obj") {
+  const lines = [];
+  const n = 8;
+  for (let j = 0; j <= n; j++) for (let i = 0; i <= n; i++) lines.push(`v ${10 * i} ${10 * j} ${4 * Math.sin(i / 3)}`);
+  for (let j = 0; j <= n; j++) lines.push(`v 40 ${10 * j} 40`);
+  const [at, up] = [(i, j) => j * (n + 1) + i + 1, (j) => (n + 1) ** 2 + j + 1];
+  for (let j = 0; j < n; j++) {
+    for (let i = 0; i < n; i++) lines.push(`f ${at(i, j)} ${at(i + 1, j)} ${at(i + 1, j + 1)} ${at(i, j + 1)}`);
+    lines.push(`f ${at(4, j)} ${at(4, j + 1)} ${up(j + 1)} ${up(j)}`);
+  }
+  return file(name, lines.join("\n"));
+}
+
 /** A dense wavy ball: work for some seconds. Another `wave` is another mesh (the server knows results it has made). */
 export function ball(name = "ball.obj", { around = 200, up = 100, wave = 0.12 } = {}) {
   const lines = [];

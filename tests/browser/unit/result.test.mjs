@@ -167,6 +167,13 @@ describe("bending", () => {
     const result = model();
     assert.match(bendColors(result, { title: "Paper", radius: 0.001 }).text, /can do that/);
     assert.match(bendColors(result, { title: "Plank", radius: 1e4 }).text, /thinner stock/);
+    assert.equal(bendColors(result, { title: "Paper", radius: 0.001 }).easy, 1);
+  });
+  it("tells how much of the sheets bends easily", () => {
+    // All of it lies on a circle of radius 100; towards the ends a window holds a hinge less and finds more.
+    assert.ok(bendColors(round, { title: "Card", radius: 50 }).easy > 0.999);
+    const hard = bendColors(round, { title: "Plank", radius: 200 }).easy;
+    assert.ok(hard >= 0 && hard < 0.1, String(hard));
   });
 });
 

@@ -1,7 +1,8 @@
 // The curve of results, and the commands that make a result again.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { SWEEP, curve, missing, relatives } from "../../../web/src/result/trade_off.js";
+import { curve, relatives, results, sweepOf } from "../../../web/src/result/trade_off.js";
+import { asAsked } from "../../../web/src/variants.js";
 import { askedFor, commands } from "../../../web/src/ui/reproduce.js";
 
 const job = (id, e_max, hausdorff, patches, more = {}) => ({
@@ -36,8 +37,8 @@ it("marks what no other result beats", () => {
   ];
   const points = curve(all[0], all);
   assert.deepEqual(
-    points.map((p) => p.job.jobID),
-    ["d", "a", "c", "b"],
+    points.map((p) => p.href),
+    ["#job/d", "#job/a", "#job/c", "#job/b"],
   );
   assert.deepEqual(
     points.map((p) => p.best),
@@ -50,20 +51,60 @@ it("measures the length to cut, each seam twice, and can judge by it", () => {
     job(id, error, error, patches, { report: { hausdorff: error, patches, cut_length, border_length } });
   const all = [cut("a", 0.01, 4, 3, 1), cut("b", 0.02, 9, 2, 1), cut("c", 0.03, 2, 4, 0)];
   assert.deepEqual(
-    curve(all[0], all, "cut").map((p) => [p.job.jobID, p.cost, p.best]),
+    curve(all[0], all, "cut").map((p) => [p.href, p.cost, p.best]),
     [
-      ["a", 7, true],
-      ["b", 5, true],
-      ["c", 8, false],
+      ["#job/a", 7, true],
+      ["#job/b", 5, true],
+      ["#job/c", 8, false],
     ],
   );
 });
 
-it("asks for no tolerance twice", () => {
-  const a = job("a", SWEEP[0], 0.05, 3);
-  const b = job("b", SWEEP[1], 0, 0, { status: "running" });
-  const c = job("c", SWEEP[2], 0, 0, { status: "failed" });
-  assert.deepEqual(missing(a, [a, b, c]), SWEEP.slice(2));
+const sweep = (id, tolerances, more = {}) => ({
+  ...job(id, tolerances, 0, 0),
+  processID: "sweep",
+  report: {
+    curve: tolerances.map((e_max) => ({ point: String(e_max), e_max, hausdorff: 0.9 * e_max, patches: 8 })),
+  },
+  ...more,
+});
+
+it("takes the points of sweeps, each once, and as a job once it has been opened", () => {
+  const all = [
+    job("a", 0.02, 0.018, 9),
+    sweep("s", [0.01, 0.05]),
+    sweep("t", [0.01, 0.05], { reusedFrom: "s" }),
+    sweep("r", [0.01], { status: "running", report: undefined }),
+    job("p", 0.05, 0.045, 8, { reusedFrom: "t" }),
+  ];
+  assert.deepEqual(
+    results(all[0], all).map(({ href, own }) => [href, own]),
+    [
+      ["#job/a", true],
+      ["#job/p", false],
+      ["#job/s/0.01", false],
+    ],
+  );
+  // The opened point stays when its sweep is gone, and a sweep looks at itself, too.
+  assert.deepEqual(
+    results(all[1], [all[1], all[4]]).map(({ href }) => href),
+    ["#job/p", "#job/s/0.01", "#job/s/0.05"],
+  );
+});
+
+it("knows the sweep that need not be asked for again", () => {
+  const a = job("a", 0.02, 0.018, 9);
+  assert.equal(sweepOf(a, [a, sweep("s", [0.01], { status: "failed" })]), null);
+  assert.equal(sweepOf(a, [a, sweep("s", [0.01], { status: "running" })]).jobID, "s");
+  assert.equal(sweepOf(a, [sweep("s", [0.01], { parameters: { t_junctions: false } })]), null);
+});
+
+it("asks again with size and tolerance as they were in force", () => {
+  const asked = job("a", 0.02, 0, 0, {
+    inputs: { mesh: { sha256: "m", scale: 4, bboxDiagonal: 10 } },
+    parameters: { e_max_mm: 2, target_size: 30, scale: 1, normal_deviation: null },
+  });
+  assert.deepEqual(asAsked(asked), { e_max: 0.05, t_junctions: true, effort: "normal", scale: 4 });
 });
 
 it("writes commands with what differs from the defaults, safely quoted", () => {

@@ -17,6 +17,12 @@ int count_of(const RepairResult& r, const std::string& kind) {
   return 0;
 }
 
+std::vector<Vector3> places_of(const RepairResult& r, const std::string& kind) {
+  for (const AuditFinding& f : r.audit.findings)
+    if (f.kind == kind) return f.places;
+  return {};
+}
+
 void expect_topology(const RepairResult& r, int components, int loops, int euler) {
   EXPECT_EQ(r.audit.components, components);
   EXPECT_EQ(r.audit.border_loops, loops);
@@ -138,7 +144,7 @@ TEST(MeshRepair, CubesThatShareACornerAreSplit) {
   const RepairResult r = repair(s);
   expect_topology(r, 2, 0, 4);
   EXPECT_EQ(count_of(r, "bow-tie-vertex"), 1);
-  EXPECT_EQ(r.audit.findings.back().place, Vector3(1, 1, 1));
+  EXPECT_EQ(r.audit.findings.back().places, std::vector<Vector3>{Vector3(1, 1, 1)});
   expect_no_twins(r.mesh);
 }
 
@@ -147,6 +153,12 @@ TEST(MeshRepair, AFinLeavesTheSheetWhole) {
   append(s, shapes::grid({4, 1}, [](double u, double v) { return Vector3(0.5, u, v * 0.25); }), {0, 0, 0});
   const RepairResult r = repair(s);
   EXPECT_EQ(count_of(r, "non-manifold-edge"), 4);
+  const std::vector<Vector3> places = places_of(r, "non-manifold-edge");
+  ASSERT_EQ(places.size(), 4u);  // the middles of the four edges that the fin stands on
+  for (const Vector3& p : places) {
+    EXPECT_EQ(p.x(), 0.5);
+    EXPECT_EQ(p.z(), 0);
+  }
   expect_topology(r, 2, 2, 2);
 }
 

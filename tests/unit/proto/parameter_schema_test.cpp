@@ -29,9 +29,10 @@ std::string refusal_of(const char* name, const std::string& text) {
 TEST(ParameterSchema, NamesEveryParameterOnce) {
   std::vector<std::string> names;
   for (const ParameterDefinition& d : parameter_definitions()) names.push_back(d.name);
-  EXPECT_THAT(names, testing::UnorderedElementsAre("target_size", "scale", "e_max", "e_max_mm",
-                                                   "normal_deviation", "t_junctions", "self_seams", "creases",
-                                                   "symmetry", "max_sides", "effort", "morph", "seed"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre(
+                         "target_size", "scale", "e_max", "e_max_mm", "normal_deviation", "t_junctions",
+                         "self_seams", "creases", "symmetry", "max_sides", "ruling_spacing_min",
+                         "ruling_spacing_max", "min_bend_radius", "effort", "morph", "seed"));
 }
 
 TEST(ParameterSchema, EveryDefinitionIsFitForPeople) {
@@ -120,12 +121,41 @@ TEST(ApiDescription, HoldsTheSchemaInItsOwnWords) {
   EXPECT_EQ(description.at("openapi"), "3.0.3");
 }
 
+TEST(SweepParameters, TolerancesComeOutAscending) {
+  const Json all = complete_sweep_parameters(Json{{"e_max", sweep_tolerances_from_text("0.05,0.01,0.02")}});
+  EXPECT_EQ(all.at("e_max"), Json::parse("[0.01,0.02,0.05]"));
+  EXPECT_EQ(all.at("t_junctions"), true);
+}
+
+TEST(SweepParameters, WrongListsAreRefused) {
+  for (const char* text :
+       {R"({})", R"({"e_max":0.02})", R"({"e_max":[]})", R"({"e_max":[0.02,0.02]})", R"({"e_max":[0.02,0]})",
+        R"({"e_max":[0.02,"0.03"]})", R"({"e_max":[0.02],"e_max_mm":1})", R"({"e_max":[0.02],"emax":1})",
+        R"({"e_max":[0.01,0.02,0.03,0.04,0.05,0.06,0.07,0.08,0.09,0.1,0.11]})"})
+    EXPECT_THROW((void)complete_sweep_parameters(Json::parse(text)), InvalidParameter) << text;
+  for (const char* text : {"", "0.1,", ",0.1", "0.1;0.2", "0.1, 0.2", "2", "a"})
+    EXPECT_THROW((void)sweep_tolerances_from_text(text), InvalidParameter) << text;
+}
+
+TEST(Process, OfASweepTakesAListOfTolerances) {
+  const OrderedJson process = process_description(kSweep, "/api/v1", "1");
+  EXPECT_EQ(process["inputs"]["e_max"]["minOccurs"], 1);
+  EXPECT_EQ(process["inputs"]["e_max"]["schema"]["items"]["maximum"], 0.5);
+  EXPECT_FALSE(process["inputs"].contains("e_max_mm"));
+  EXPECT_TRUE(process["inputs"].contains("symmetry"));
+  EXPECT_TRUE(process["outputs"].contains("sweep.json"));
+  EXPECT_FALSE(process["outputs"].contains("layout.svg"));
+  EXPECT_EQ(output_title("0.02-layout.svg"), output_title("layout.svg"));
+  EXPECT_EQ(output_title("-layout.svg"), "");
+}
+
 TEST(Process, DescribesEveryParameterAndOutput) {
-  const OrderedJson process = process_description("/api/v1", "1");
+  const OrderedJson process = process_description(kDecompose, "/api/v1", "1");
   for (const ParameterDefinition& d : parameter_definitions())
     EXPECT_EQ(Json::parse(process["inputs"][d.name]["schema"].dump()), d.schema) << d.name;
   EXPECT_TRUE(process["inputs"].contains("mesh"));
   EXPECT_TRUE(process["outputs"].contains("layout.svg"));
+  EXPECT_FALSE(process["outputs"].contains("sweep.json"));
 }
 
 }  // namespace

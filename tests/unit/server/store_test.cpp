@@ -191,6 +191,23 @@ TEST_F(JobStoreTest, ReuseCopiesAResultAndOutlivesItsSource) {
   EXPECT_FALSE(store_.accept_reused(new_job(), first.id));
 }
 
+TEST_F(JobStoreTest, APartOfAResultIsReusedUnderItsOwnNames) {
+  NewJob first = new_job();
+  store_.accept(first);
+  const std::vector<StoredOutput> outputs{{"sweep.json", "text/plain", sha256("s"), 1},
+                                          {"0.02-a", "text/plain", sha256("a"), 1},
+                                          {"0.025-a", "text/plain", sha256("b"), 2}};
+  store_.succeed(*store_.claim(now_us()), outputs, R"({"curve":[]})", "");
+  const std::optional<JobRecord> job =
+      store_.accept_reused(new_job(), first.id, {"0.02-", R"({"patches":7})"});
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->report, R"({"patches":7})");
+  ASSERT_EQ(store_.outputs(job->seq).size(), 1u);
+  EXPECT_EQ(store_.outputs(job->seq)[0].name, "a");
+  EXPECT_EQ(store_.outputs(job->seq)[0].digest, sha256("a"));
+  EXPECT_FALSE(store_.accept_reused(new_job(), first.id, {"0.03-", "{}"}));
+}
+
 TEST_F(JobStoreTest, IdempotencyIsKeptAndForgotten) {
   NewJob job = new_job();
   job.idempotency_key = "k";

@@ -56,14 +56,18 @@ function height([a, b, c], flat) {
   return Math.abs(cx * ey - cy * ex) / (Math.hypot(ex, ey) || 1);
 }
 
-/** Colours per vertex (sRGB) for a material, the tightest radius, and what to make of it. */
+/** Colours per vertex (sRGB) for a material, the tightest radius, the share that bends easily, what to make of it. */
 export function bendColors(model, material) {
   const radius = new Float64Array(model.source.length).fill(Infinity);
   let tightest = Infinity;
+  let [area, tight] = [0, 0];
   for (const part of model.parts) {
     const radii = bendRadii(part, model.position, model.flat, material.radius / 2);
+    const areas = hingeAreas(part, model.flat);
+    area += part.area;
     radii.forEach((r, k) => {
       tightest = Math.min(tightest, r);
+      if (r < material.radius) tight += areas[k];
       for (const v of part.inner[k][0].slice(0, 2)) radius[v] = Math.min(radius[v], r);
     });
   }
@@ -74,7 +78,21 @@ export function bendColors(model, material) {
       3 * v,
     ),
   );
-  return { values, tightest, text: verdict(tightest, material) };
+  return { values, tightest, easy: area > 0 ? 1 - tight / area : 1, text: verdict(tightest, material) };
+}
+
+/** Area of sheet that belongs to each hinge of a part, mm²: a triangle is shared by the hinges that it has. */
+function hingeAreas(part, flat) {
+  const hinges = new Map();
+  for (const pair of part.inner) for (const side of pair) hinges.set(side[3], (hinges.get(side[3]) ?? 0) + 1);
+  const share = ([a, b, c, triangle]) => areaOf(a, b, c, flat) / hinges.get(triangle);
+  return part.inner.map(([first, second]) => share(first) + share(second));
+}
+
+function areaOf(a, b, c, flat) {
+  const [ex, ey] = [flat[2 * b] - flat[2 * a], flat[2 * b + 1] - flat[2 * a + 1]];
+  const [cx, cy] = [flat[2 * c] - flat[2 * a], flat[2 * c + 1] - flat[2 * a + 1]];
+  return Math.abs(cx * ey - cy * ex) / 2;
 }
 
 function verdict(tightest, { title, radius }) {

@@ -1,7 +1,9 @@
-// Fewer parts or closer to the shape: all results of one mesh as points of a curve.
+// Fewer parts or closer to the shape: all results of one mesh as points of a curve, those of its sweeps among them.
 
-/** Tolerances of a sweep, as fractions of the diagonal, coarse first: the quick ones answer first. */
+/** Tolerances of a sweep, as fractions of the diagonal. */
 export const SWEEP = [0.06, 0.04, 0.025, 0.015, 0.01, 0.006];
+
+export const isSweep = (job) => job.processID === "sweep";
 
 /** Parameters that make two jobs comparable: all but the tolerance, the effort and the seed. */
 function family(job) {
@@ -23,13 +25,44 @@ export const COSTS = {
 };
 
 /**
- * Points of the curve: {job, error (fraction), cost, best} by growing error; `best` where no other point has both less
- * error and less cost. `measure` is a name of COSTS.
+ * Every result that `job` can be compared with: {href, report, effort, own}. A point of a sweep opens as a job of its
+ * own; once it has been opened it stands here as that job, not twice.
+ */
+export function results(job, all) {
+  const found = relatives(job, all).filter((other) => other.status === "successful");
+  const sweeps = found.filter(isSweep);
+  const first = new Map(sweeps.map((sweep) => [sweep.jobID, sweep.reusedFrom ?? sweep.jobID]));
+  const seen = new Set();
+  const singles = found
+    .filter((other) => !isSweep(other))
+    .map((other) => {
+      if (other.reusedFrom) seen.add(`${first.get(other.reusedFrom) ?? other.reusedFrom}/${other.parameters.e_max}`);
+      return {
+        href: `#job/${other.jobID}`,
+        report: other.report,
+        effort: other.parameters?.effort,
+        own: other.jobID === job.jobID,
+      };
+    });
+  const points = sweeps.flatMap((sweep) =>
+    (sweep.report?.curve ?? []).flatMap((report) => {
+      const key = `${first.get(sweep.jobID)}/${report.e_max}`;
+      if (seen.has(key)) return [];
+      seen.add(key);
+      return { href: `#job/${sweep.jobID}/${report.point}`, report, effort: sweep.parameters?.effort, own: false };
+    }),
+  );
+  return [...singles, ...points];
+}
+
+/**
+ * Points of the curve: results() with error (fraction), cost and best, by growing error; `best` where no other point
+ * has both less error and less cost. `measure` is a name of COSTS.
  */
 export function curve(job, all, measure = "parts") {
-  const points = relatives(job, all)
-    .filter((other) => other.status === "successful" && Number.isFinite(other.report?.hausdorff))
-    .map((other) => ({ job: other, error: other.report.hausdorff, cost: COSTS[measure](other.report) }))
+  const points = results(job, all)
+    .filter(({ report }) => Number.isFinite(report?.hausdorff))
+    .map((result) => ({ ...result, error: result.report.hausdorff, cost: COSTS[measure](result.report) }))
     .filter(({ cost }) => Number.isFinite(cost))
     .sort((a, b) => a.error - b.error || a.cost - b.cost);
   let least = Infinity;
@@ -40,10 +73,8 @@ export function curve(job, all, measure = "parts") {
   return points;
 }
 
-/** Tolerances of the sweep that no job of the family has asked for yet. */
-export function missing(job, all) {
-  const asked = relatives(job, all)
-    .filter((other) => other.status !== "failed" && other.status !== "dismissed")
-    .map((other) => other.parameters.e_max);
-  return SWEEP.filter((e) => !asked.some((other) => Math.abs(other / e - 1) < 0.02));
+/** The sweep of this mesh and way of cutting that is on its way or done; null when there is none. */
+export function sweepOf(job, all) {
+  const good = new Set(["accepted", "running", "successful"]);
+  return relatives(job, all).find((other) => isSweep(other) && good.has(other.status)) ?? null;
 }

@@ -10,6 +10,7 @@ import { icon } from "./icons.js";
 import { problemBox, wordsOf } from "./problem.js";
 
 const PAUSE = 350; // milliseconds without a change before the sheets are drawn again
+const QUICK = ["svg", "dxf", "pdf"];
 const ENDING = { "parts-svg": "svg", "parts-dxf": "dxf", frame: "stl", "parts-json": "json", "parts-csv": "csv" };
 
 export function exportPanel({ job, model, material, stops }) {
@@ -138,9 +139,22 @@ class ExportPanel {
     const each = this.formats.filter((one) => one !== all);
     this.element.classList.toggle("nothing", !good);
     const link = (format) => (good ? { href: this.href(format), download: "" } : {});
+    const quick = each.filter(({ format }) => QUICK.includes(format));
     replace(
       this.archive,
       all && h("a", { class: "button primary wide", ...link("zip") }, icon("download"), "Everything as ZIP"),
+      h(
+        "p",
+        { class: "quick" },
+        h("span", { class: "hint" }, "or only"),
+        quick.map(({ format, title }) =>
+          h(
+            "a",
+            { class: "button small", title, "aria-label": `${format.toUpperCase()} alone`, ...link(format) },
+            format.toUpperCase(),
+          ),
+        ),
+      ),
     );
     replace(
       this.links,

@@ -1,13 +1,18 @@
-// The figures of a result that a maker asks for first.
+// The figures of a result that a maker asks for first, and what the program noticed on the way.
 import { h } from "../dom.js";
 import { area, count, duration, metres, millimetres, percent } from "../format.js";
+import { bendColors } from "../result/bend.js";
+import { repairsOf } from "../result/places.js";
+import { icon } from "./icons.js";
 
-export function figures(model, job) {
+/** @param showPlaces(points) marks places in the 3D view  @param showBends() colours it by the bend radius */
+export function figures(model, job, material, { showPlaces, showBends }) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
   const glue = model.seams.reduce((sum, seam) => sum + (seam.border ? 0 : seam.length), 0);
-  const seconds = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
+  const seconds =
+    job.started && job.finished && !job.reusedFrom ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
   const rows = [
     ["Parts", String(model.parts.length)],
     [
@@ -35,17 +40,62 @@ export function figures(model, job) {
         ),
       ),
     ),
+    bends(model, material, showBends),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
-    (report.notes ?? []).length > 0 &&
-      h(
-        "details",
-        { class: "notes" },
-        h("summary", {}, count(report.notes.length, "note")),
-        h(
-          "ul",
-          {},
-          report.notes.map((note) => h("li", { class: "hint" }, note)),
-        ),
-      ),
+    notes(model, showPlaces),
+  );
+}
+
+/** Whether the material can do it: said before the sheets are cut. */
+function bends(model, material, showBends) {
+  const { easy, text } = bendColors(model, material);
+  const name = material.title.toLowerCase();
+  const show = h("button", { type: "button", class: "small right", onclick: showBends }, "Show bends");
+  if (easy > 0.995)
+    return h("p", { class: "bends" }, icon("check", 16), h("span", {}, `Bends easily in ${name}.`), show);
+  return h(
+    "div",
+    { class: easy < 0.9 ? "bends warning" : "bends" },
+    icon(easy < 0.9 ? "warn" : "info", 16),
+    h("span", { title: text }, `${percent(1 - easy, 0)} of the sheets bend tighter than ${name} likes.`),
+    show,
+  );
+}
+
+/** Repairs and what else there is to say; where something can be seen, a button shows it. */
+function notes(model, showPlaces) {
+  const { report = {} } = model.layout;
+  if (!report.notes?.length) return null;
+  const places = new Map(repairsOf(model.layout, model.center).map((repair) => [repair.text, repair.places]));
+  const buttons = [];
+  const show = (button, note) => {
+    const on = button.getAttribute("aria-pressed") !== "true";
+    for (const other of buttons) other.setAttribute("aria-pressed", String(on && other === button));
+    showPlaces(on ? places.get(note) : []);
+  };
+  return h(
+    "details",
+    { class: "notes", open: places.size > 0 },
+    h("summary", {}, count(report.notes.length, "note")),
+    h(
+      "ul",
+      {},
+      report.notes.map((note) => {
+        if (!places.has(note)) return h("li", { class: "hint" }, note);
+        const button = h(
+          "button",
+          {
+            type: "button",
+            class: "small",
+            "aria-pressed": "false",
+            "aria-label": `Show where: ${note}`,
+            onclick: () => show(button, note),
+          },
+          "Show where",
+        );
+        buttons.push(button);
+        return h("li", { class: "hint" }, note, " ", button);
+      }),
+    ),
   );
 }

@@ -6,6 +6,8 @@ import { ago, count, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs, titleOf } from "../jobs.js";
 import { SAMPLES, sampleFile } from "../mesh/samples.js";
 import { pictureOf } from "../prefs.js";
+import { isSweep } from "../result/trade_off.js";
+import { scaleOf } from "../variants.js";
 import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 
@@ -132,6 +134,7 @@ function thumbnail(job, urls) {
   const url = urls.get(job.jobID);
   if (url) return h("img", { src: url, alt: "" });
   // Another device, or a forgetful browser: the cut drawing is a picture, too.
+  if (isSweep(job) && job.status === "successful") return icon("curve", 34);
   if (job.status === "successful")
     return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
   return icon(job.status === "failed" ? "warn" : "cube", 34);
@@ -139,6 +142,7 @@ function thumbnail(job, urls) {
 
 function subtitle(job) {
   const when = ago(job.created);
+  if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report?.curve ?? [])} · ${when}`;
   if (job.status === "successful") {
     const { patches, hausdorff } = job.report ?? {};
     return [
@@ -156,8 +160,15 @@ function subtitle(job) {
   return `cancelled · ${when}`;
 }
 
+/** A sweep in words: "6 tolerances, 4 to 31 parts". */
+function rangeOf(curve) {
+  const parts = curve.map(({ patches }) => patches);
+  const [least, most] = [Math.min(...parts), Math.max(...parts)];
+  return `${count(curve.length, "tolerance")}, ${least < most ? `${least} to ${most}` : least} parts`;
+}
+
 function errorText(job, hausdorff) {
   const mesh = job.inputs?.mesh;
-  const scale = job.parameters?.scale;
-  return mesh && scale ? millimetres(hausdorff * mesh.bboxDiagonal * scale) : percent(hausdorff);
+  const scale = scaleOf(job);
+  return mesh ? millimetres(hausdorff * mesh.bboxDiagonal * scale) : percent(hausdorff);
 }

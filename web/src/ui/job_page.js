@@ -1,14 +1,20 @@
 // One job: it waits or runs, has failed, or shows its result.
-import { getInput, getJob } from "../api.js";
+import { getGuides, getInput, getJob } from "../api.js";
 import { announce, h, replace } from "../dom.js";
 import { drafts, guessUp } from "../drafts.js";
 import { count, duration, millimetres } from "../format.js";
+import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
 import { recall } from "../prefs.js";
+import { isSweep } from "../result/trade_off.js";
+import { asAsked, scaleOf } from "../variants.js";
+import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
 import { icon } from "./icons.js";
 import { problemBox } from "./problem.js";
+import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
+import { sweepView } from "./sweep_view.js";
 
 export function jobPage({ go, stage, process, id }) {
   const panel = h("section", { class: "panel", "aria-label": "Job" });
@@ -44,11 +50,16 @@ class JobPage {
 
   lost(error) {
     this.shown = "lost";
-    replace(this.panel, problemBox(error, h("a", { class: "button", href: "#" }, "All jobs")));
+    const gone = error.problem?.status === 404 && {
+      title: "There is no such job",
+      detail: "It was removed, or the link is not complete.",
+      fix: "Old jobs are removed after a while; drop the mesh again to make a new one",
+    };
+    replace(this.panel, problemBox(gone || error, h("a", { class: "button primary", href: "#" }, "All jobs")));
   }
 
   dispose() {
-    this.stop?.();
+    for (const stop of [this.stop, ...(this.stops ?? [])]) stop?.();
     this.result?.dispose();
     clearInterval(this.clock);
     this.gone = true;
@@ -78,7 +89,10 @@ class JobPage {
       this.showEnded(job);
       if (before !== "active") this.showInput(job);
     }
-    if (kind === "successful") this.showResult(job);
+    if (kind === "successful") {
+      if (isSweep(job)) this.showSweep(job);
+      else this.showResult(job);
+    }
     if (before === "active")
       announce(
         { successful: "The sheets are ready.", failed: "The job has failed.", dismissed: "The job was cancelled." }[
@@ -101,13 +115,14 @@ class JobPage {
 
   async showInput(job) {
     if (!this.stage.input) this.stage.clear("Fetching the mesh …");
-    const mesh = await this.mesh();
-    if (this.gone || this.shown === "successful") return;
+    const [mesh, guides] = await Promise.all([this.mesh(), getGuides(job).catch(() => null)]);
+    if (this.gone || this.result) return;
     if (!mesh) return this.stage.clear("The mesh cannot be shown.");
     this.stage.showInput(mesh, {
       up: this.up(mesh),
-      scale: job.parameters?.scale ?? 1,
+      scale: scaleOf(job),
       places: placesOf(job.exception, mesh),
+      guides: new Guides(guides),
     });
   }
 
@@ -123,7 +138,9 @@ class JobPage {
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
         : "Starts in a moment"
-      : "Making the sheets";
+      : isSweep(job)
+        ? "Comparing tolerances"
+        : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
     percentText.textContent = waiting ? "" : `${job.progress} %`;
     times.textContent = waiting
@@ -150,6 +167,7 @@ class JobPage {
       "button",
       {
         type: "button",
+        class: "small",
         onclick: async () => {
           cancel.disabled = true;
           try {
@@ -160,7 +178,6 @@ class JobPage {
           cancel.disabled = false;
         },
       },
-      icon("close", 18),
       "Cancel",
     );
     const element = h(
@@ -168,39 +185,37 @@ class JobPage {
       { class: "progress-panel" },
       heading,
       h("div", { class: "percent-row" }, percentText, times),
-      bar,
+      h("div", { class: "row bar-row" }, bar, cancel),
       h("ol", { class: "stages" }, stages),
       facts,
-      h("div", { class: "row" }, cancel),
     );
     return { element, bar, percentText, times, stages, heading, facts };
   }
 
   showEnded(job) {
+    // A mesh that was refused will be refused again.
+    const refused = job.exception?.status === 422;
+    const another = h("a", { class: "button primary", href: "#" }, "Choose another mesh");
     const again = h(
       "button",
-      { type: "button", class: "primary", onclick: () => this.runAgain(job) },
+      { type: "button", class: refused ? null : "primary", onclick: () => this.runAgain(job) },
       icon("again", 18),
       "Change settings",
     );
     const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
-    const remove = h(
-      "button",
-      { type: "button", onclick: () => this.act(() => jobs.dismiss(this.id)) },
-      icon("trash", 18),
-      "Remove",
-    );
+    const remove = removeButton("Remove", () => this.act(() => jobs.dismiss(this.id)), "");
+    const ways = refused ? [another, again, remove] : [again, retry, remove];
     this.note = h("div", {});
     replace(
       this.panel,
       job.status === "failed"
-        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, again, retry, remove)
+        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, ...ways)
         : h(
             "section",
             {},
             h("h2", {}, "Cancelled"),
             h("p", {}, "The job was stopped before it was done."),
-            h("div", { class: "row" }, again, retry, remove),
+            h("div", { class: "row" }, ways),
           ),
       factsOf(job),
       this.note,
@@ -219,15 +234,24 @@ class JobPage {
   async runAgain(job, change = {}) {
     try {
       const name = job.inputs?.mesh?.name || "mesh.obj";
-      const file = new File([await getInput(this.id)], name);
+      const [mesh, guides] = await Promise.all([getInput(this.id), getGuides(job)]);
+      const file = new File([mesh], name);
       const { up, material } = recall("jobs", {})[this.id] ?? {};
-      drafts.open([file], { tag: job.tag, parameters: { ...job.parameters, ...change } });
+      const { e_max, scale, ...values } = { ...asAsked(job), ...change };
+      // Of a sweep, which has many tolerances, none is taken over.
+      drafts.open([file], { tag: job.tag, scale, guides, values: isSweep(job) ? values : { ...values, e_max } });
       if (up) drafts.draft.up = up;
       if (material) drafts.draft.material = material;
       this.go("#new");
     } catch (error) {
       replace(this.note ?? this.panel, problemBox(error));
     }
+  }
+
+  showSweep(job) {
+    const remove = () => jobs.dismiss(this.id).then(() => this.go("#"));
+    replace(this.panel, sweepView(job, (this.stops = []), { runAgain: () => this.runAgain(job), remove }));
+    this.showInput(job);
   }
 
   showResult(job) {
@@ -259,26 +283,4 @@ export function factsOf(job) {
     { class: "hint" },
     [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "),
   );
-}
-
-/** Places in the mesh that a problem names ("face 12", "vertex 7", "(1.5, 2, 3)"), relative to the mesh's centre. */
-export function placesOf(problem, mesh) {
-  const places = [];
-  for (const text of [problem?.where, ...(problem?.errors ?? []).map((item) => item.detail)]) {
-    for (const match of String(text ?? "").matchAll(
-      /\(\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*,\s*(-?[\d.eE+-]+)\s*\)/g,
-    )) {
-      places.push(match.slice(1, 4).map((value, axis) => Number(value) - mesh.center[axis]));
-    }
-    for (const match of String(text ?? "").matchAll(/\bface (\d+)/g)) {
-      const k = 3 * Number(match[1]);
-      if (k + 2 >= mesh.indices.length) continue;
-      places.push(
-        [0, 1, 2].map((axis) =>
-          [0, 1, 2].reduce((sum, corner) => sum + mesh.positions[3 * mesh.indices[k + corner] + axis] / 3, 0),
-        ),
-      );
-    }
-  }
-  return places.filter((place) => place.every(Number.isFinite)).slice(0, 200);
 }

@@ -1,6 +1,9 @@
 // The same result again: a link to it, and the commands that make it on a terminal.
 import { queryOf } from "../api.js";
 import { announce, h } from "../dom.js";
+import { percent } from "../format.js";
+import { jobs } from "../jobs.js";
+import { isSweep } from "../result/trade_off.js";
 
 /** Parameters of a job that differ from the defaults of the schema, as [name, value] pairs. */
 export function askedFor(job, process) {
@@ -10,21 +13,25 @@ export function askedFor(job, process) {
   });
 }
 
-const word = (value) => (value === true ? "on" : value === false ? "off" : String(value));
+const word = (value) => (value === true ? "on" : value === false ? "off" : [value].flat().join(","));
 const quoted = (text) => (/^[\w./,:=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
-export function commands(job, process, origin) {
-  const asked = askedFor(job, process);
+/** `sweep`: the sweep that the job is a point of. But for the finest, a job on its own may find another result. */
+export function commands(job, process, origin, sweep = null) {
+  const asked = askedFor(sweep ?? job, process);
+  const name = sweep ? "sweep" : "decompose";
   const file = job.inputs?.mesh?.name || "mesh.obj";
   const options = asked.map(([name, value]) => `--${name.replaceAll("_", "-")} ${quoted(word(value))}`).join(" ");
   return {
-    terminal: `sheetform decompose ${quoted(file)} -o ${quoted(file.replace(/\.\w+$/, "") || "result")} ${options}`,
-    curl: `curl --data-binary @${quoted(file)} ${quoted(`${origin}/api/v1/processes/decompose/execution?${queryOf(Object.fromEntries(asked))}`)}`,
+    terminal: `sheetform ${name} ${quoted(file)} -o ${quoted(file.replace(/\.\w+$/, "") || "result")} ${options}`,
+    curl: `curl --data-binary @${quoted(file)} ${quoted(`${origin}/api/v1/processes/${name}/execution?${queryOf(Object.fromEntries(asked))}`)}`,
   };
 }
 
 export function reproduce(job, process) {
-  const { terminal, curl } = commands(job, process, location.origin);
+  const source = job.reusedFrom ? jobs.get(job.reusedFrom) : null;
+  const sweep = source && isSweep(source) ? source : null;
+  const { terminal, curl } = commands(job, process, location.origin, sweep);
   return h(
     "details",
     { class: "more" },
@@ -32,6 +39,9 @@ export function reproduce(job, process) {
     copyRow("Link to this result", location.href),
     copyRow("On a terminal", terminal),
     copyRow("Over HTTP", curl),
+    sweep && h("p", { class: "hint" }, `Among the results is this one: ${percent(job.parameters.e_max)}.`),
+    job.links?.some(({ rel }) => rel === "guides") &&
+      h("p", { class: "hint" }, "What was drawn on the shape goes with the link only, not with the commands."),
     job.inputs?.mesh?.sha256 &&
       h(
         "p",

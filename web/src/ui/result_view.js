@@ -12,9 +12,10 @@ import { figures } from "./figures.js";
 import { icon } from "./icons.js";
 import { partsList } from "./parts_list.js";
 import { problemBox } from "./problem.js";
+import { removeButton } from "./remove_button.js";
 import { reproduce } from "./reproduce.js";
 import { tradeOff } from "./trade_off_chart.js";
-import { startVariants } from "../variants.js";
+import { startVariant } from "../variants.js";
 import { viewControls } from "./view_controls.js";
 
 const TABS = [
@@ -36,7 +37,7 @@ function draftNote(job, go) {
       onclick: async () => {
         button.disabled = true;
         try {
-          const [next] = await startVariants(job, [{ effort: "normal" }]);
+          const next = await startVariant(job, { effort: "normal" });
           go(`#job/${next.jobID}`);
         } catch (error) {
           button.disabled = false;
@@ -49,7 +50,7 @@ function draftNote(job, go) {
   return h(
     "div",
     { class: "draft-note" },
-    h("p", {}, h("strong", {}, "Quick draft. "), "A full run finds fewer and smoother parts."),
+    h("p", {}, h("strong", {}, "Quick draft. "), "A full run searches longer: mostly for fewer and smoother parts."),
     button,
     problem,
   );
@@ -83,7 +84,7 @@ export class ResultView {
     const { model, stage, job } = this;
     const material = materialOf(this.material);
     stage.showResult(model, { up: this.up({ format: job.inputs?.mesh?.format ?? "obj" }), mesh: null });
-    const controls = viewControls({ stage, model, mesh: this.mesh, material, job });
+    const controls = viewControls({ stage, model, mesh: this.mesh, material });
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
     const panes = {
@@ -91,20 +92,23 @@ export class ResultView {
         "div",
         { class: "tab-pane" },
         job.parameters?.effort === "draft" && draftNote(job, this.go),
-        figures(model, job),
+        figures(model, job, material, {
+          showPlaces: (points) => this.showPlaces(points),
+          showBends: () => this.showBends(controls),
+        }),
         h(
           "button",
           { type: "button", class: "primary wide", onclick: () => this.openTab("files") },
           icon("download"),
           "Get the files",
         ),
-        certificate(model),
         tradeOff(job, model.scale, this.stops),
+        certificate(model),
         h(
           "div",
           { class: "row" },
           h("button", { type: "button", onclick: () => this.runAgain() }, "Run again with …"),
-          h("button", { type: "button", class: "quiet", onclick: () => this.remove() }, "Remove job"),
+          removeButton("Remove job", () => this.remove()),
         ),
       ),
       parts: h("div", { class: "tab-pane" }, partsList(model, stage, material, this.stops)),
@@ -125,6 +129,17 @@ export class ResultView {
         document.documentElement.dataset.ready = job.jobID;
       }),
     );
+  }
+
+  /** On a narrow screen the view has to come first. */
+  showPlaces(points) {
+    this.stage.markPlaces(points);
+    if (points.length > 0 && this.narrow.matches) this.openTab("shape");
+  }
+
+  showBends(controls) {
+    controls.show("bend");
+    if (this.narrow.matches) this.openTab("shape");
   }
 
   /** Escape lets go of what is chosen, wherever the focus is. */
@@ -184,7 +199,7 @@ export class ResultView {
       buttons,
     );
     replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
-    const narrow = matchMedia("(max-width: 760px)");
+    const narrow = (this.narrow = matchMedia("(max-width: 760px)"));
     const adapt = () => select(narrow.matches ? "shape" : "result");
     narrow.addEventListener("change", adapt);
     this.stops.push(() => narrow.removeEventListener("change", adapt));

@@ -11,7 +11,7 @@ export class SchemaForm {
   constructor(process, { own = new Set(), values = {}, onChange = () => {} }) {
     this.schemas = Object.fromEntries(
       Object.entries(process.inputs)
-        .filter(([name, input]) => name !== "mesh" && input.schema)
+        .filter(([, input]) => input.schema?.["x-group"]) // the rest are files
         .map(([name, input]) => [name, { title: input.title, description: input.description, ...input.schema }]),
     );
     this.values = Object.fromEntries(Object.entries(values).filter(([name]) => this.schemas[name]));

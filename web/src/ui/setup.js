@@ -6,6 +6,8 @@ import { bytes, count, millimetres } from "../format.js";
 import { jobs } from "../jobs.js";
 import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
 import { keepPicture, recall, remember } from "../prefs.js";
+import { placesOf } from "../result/places.js";
+import { guideList } from "./draw_tools.js";
 import { icon } from "./icons.js";
 import { problemBox } from "./problem.js";
 import { SchemaForm } from "./schema_form.js";
@@ -33,6 +35,8 @@ export function setupPage({ go, stage, process }) {
       stage.showInput(draft.mesh, {
         up: draft.up,
         scale: draft.scale,
+        guides: draft.guides,
+        drawing: process.inputs.guides !== undefined,
         onUp: (up) => {
           draft.up = up;
         },
@@ -52,12 +56,15 @@ export function setupPage({ go, stage, process }) {
     element: main,
     dispose() {
       stop();
+      page.drawn?.stop();
+      stage.stopDrawing();
       page.sending?.abort();
     },
   };
 }
 
 function showPanel(page, draft) {
+  page.drawn?.stop();
   if (draft.error)
     return replace(
       page.panel,
@@ -93,9 +100,15 @@ function showPanel(page, draft) {
   const size = sizeField(draft, UNITS, () => {
     tolerance.update();
     page.stage.setScale(draft.scale);
+    page.drawn.update();
     refresh();
   });
   const form = new SchemaForm(page.process, { own: OWN, values: draft.values, onChange: () => showSend() });
+  page.drawn = guideList(
+    draft.guides,
+    () => draft.scale,
+    (stroke) => page.stage.chooseStroke(stroke),
+  );
   const send = h("div", { class: "send" });
   const showSend = () => replace(send, sendControls(page, draft, form));
   replace(
@@ -113,6 +126,7 @@ function showPanel(page, draft) {
       }),
     ),
     h("fieldset", { class: "group" }, h("legend", {}, "Tolerance"), tolerance.element),
+    page.drawn.element,
     h(
       "details",
       { class: "more", open: recall("more", false), ontoggle: (event) => remember("more", event.target.open) },
@@ -274,6 +288,7 @@ async function start(page, ready, form, place, change) {
         draft.file,
         { ...parametersOf(draft, form), ...change },
         {
+          guides: draft.guides.wire(),
           tag: draft.tag.trim(),
           filename: draft.name,
           signal: abort.signal,
@@ -290,6 +305,7 @@ async function start(page, ready, form, place, change) {
     } catch (error) {
       page.sending = null;
       if (error.name === "AbortError") return replace(place, sendControls(page, draft, form));
+      page.stage.markPlaces(placesOf(error.problem, draft.mesh));
       return replace(place, problemBox(error), sendControls(page, draft, form));
     }
   }

@@ -1,16 +1,16 @@
-// The curve of parts against error: every result of this mesh, and a sweep that fills the gaps. A point opens its result.
+// The curve of parts against error: every result of this mesh, and the sweep that fills the gaps. A point opens its result.
 import { freshId, h, replace, s } from "../dom.js";
 import { count, metres, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { COSTS, curve, missing, relatives } from "../result/trade_off.js";
-import { startVariants } from "../variants.js";
+import { COSTS, SWEEP, curve, sweepOf } from "../result/trade_off.js";
+import { startSweep } from "../variants.js";
 import { problemBox } from "./problem.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [332, 196, 34, 30, 24];
 
 export function tradeOff(job, scale, stops) {
   const chart = h("div", {});
-  const controls = h("div", { class: "row" });
+  const controls = h("div", { class: "trade-off-controls" });
   const note = h("div", {});
   let sending = false;
   let measure = "parts";
@@ -21,24 +21,17 @@ export function tradeOff(job, scale, stops) {
     const held = chart.contains(document.activeElement);
     replace(chart, draw(curve(mine, all, measure), mine, scale, measure));
     if (held) chart.querySelector(`a[href="${focus}"]`)?.focus();
-    const active = relatives(mine, all).filter((other) => ACTIVE.has(other.status)).length;
-    const wanted = missing(mine, all);
-    replace(
-      controls,
-      active > 0
-        ? h("p", { class: "busy" }, `${count(active, "result")} on the way …`)
-        : wanted.length > 0 &&
-            h("button", { type: "button", disabled: sending, onclick: () => sweep(wanted) }, "Try other tolerances"),
-    );
+    const sweep = sweepOf(mine, all);
+    if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
+    else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
+    else replace(controls, startButton(sending, start));
   };
-  async function sweep(tolerances) {
+  async function start() {
     sending = true;
     update();
     try {
-      await startVariants(
-        job,
-        tolerances.map((e_max) => ({ e_max, effort: "draft" })),
-      );
+      await startSweep(job, SWEEP);
+      replace(note);
     } catch (error) {
       replace(note, problemBox(error));
     }
@@ -59,6 +52,32 @@ export function tradeOff(job, scale, stops) {
     chart,
     controls,
     note,
+  );
+}
+
+function startButton(sending, start) {
+  return [
+    h("button", { type: "button", disabled: sending, onclick: start }, "Compare tolerances"),
+    h("p", { class: "hint" }, `Also makes it for ${SWEEP.length} tolerances from coarse to fine. Then choose a point.`),
+  ];
+}
+
+/** The bar stays the same element while it grows. */
+function showProgress(controls, sweep) {
+  const bar = controls.querySelector("progress");
+  if (bar) {
+    bar.value = sweep.progress;
+    return;
+  }
+  replace(
+    controls,
+    h("p", { class: "busy" }, "Comparing tolerances …"),
+    h(
+      "div",
+      { class: "row sweeping" },
+      h("progress", { max: "100", value: sweep.progress, "aria-label": "Comparing tolerances" }),
+      h("button", { type: "button", class: "small", onclick: () => jobs.dismiss(sweep.jobID) }, "Stop"),
+    ),
   );
 }
 
@@ -100,7 +119,7 @@ function draw(points, job, scale, measure) {
       role: "group",
       "aria-label": `${measure === "parts" ? "Parts" : "Length to cut"} against largest deviation`,
     },
-    ticks(most).map((n) => [
+    ticks(most, measure === "parts" ? 1 : 0).map((n) => [
       s("path", { class: "grid", d: `M${LEFT} ${y(n)}H${WIDTH - 12}` }),
       s("text", { x: LEFT - 7, y: y(n), "text-anchor": "end", "dominant-baseline": "central" }, n),
     ]),
@@ -112,35 +131,36 @@ function draw(points, job, scale, measure) {
     ),
     s("text", { x: 6, y: 14 }, measure === "parts" ? "parts" : diagonal ? "metres to cut" : "diagonals to cut"),
     s("path", { class: "steps", d: line }),
-    points.map((p) => point(p, job, x(p.error), y(p.cost * unit), diagonal)),
+    points.map((p) => point(p, x(p.error), y(p.cost * unit), diagonal)),
   );
 }
 
-function ticks(most) {
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((n) => most / n <= 5) ?? 1000;
+/** Five values at most, from 0; `least` is the smallest step that makes sense. */
+function ticks(most, least) {
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500];
+  const step = steps.find((n) => n >= least && most / n <= 5) ?? 1000;
   return Array.from({ length: Math.floor((most * 1.08) / step) + 1 }, (_, k) => Number((k * step).toFixed(1)));
 }
 
-function point(p, job, x, y, diagonal) {
-  const own = p.job.jobID === job.jobID;
-  const { report, parameters } = p.job;
-  const text = [
+/** A result in words: parts, length to cut, deviation; `diagonal` in mm, 0 when the size is not known. */
+export function wordsOfPoint({ report, effort }, diagonal) {
+  return [
     count(report.patches, "part"),
     diagonal && `${metres(COSTS.cut(report) * diagonal)} to cut`,
-    `within ${diagonal ? millimetres(p.error * diagonal) : percent(p.error)}`,
-    parameters?.effort === "draft" && "quick draft",
+    `within ${diagonal ? millimetres(report.hausdorff * diagonal) : percent(report.hausdorff)}`,
+    effort === "draft" && "quick draft",
   ]
     .filter(Boolean)
     .join(", ");
+}
+
+function point(p, x, y, diagonal) {
+  const text = wordsOfPoint(p, diagonal);
   return s(
     "a",
-    {
-      href: `#job/${p.job.jobID}`,
-      "aria-label": own ? `${text}, shown now` : text,
-      "aria-current": own ? "true" : null,
-    },
+    { href: p.href, "aria-label": p.own ? `${text}, shown now` : text, "aria-current": p.own ? "true" : null },
     s("title", {}, text),
     s("circle", { class: "hit", cx: x, cy: y, r: 13 }),
-    s("circle", { class: p.best ? "point best" : "point", cx: x, cy: y, r: own ? 7 : 5 }),
+    s("circle", { class: p.best ? "point best" : "point", cx: x, cy: y, r: p.own ? 7 : 5 }),
   );
 }

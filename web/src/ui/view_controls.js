@@ -1,12 +1,12 @@
 // Below the 3D view: what the colours mean, what is drawn, parts moved apart, sheets folded open.
 import { freshId, h, replace } from "../dom.js";
-import { millimetres } from "../format.js";
+import { millimetres, significant } from "../format.js";
 import { bendColors } from "../result/bend.js";
 import { compareWith } from "../worker/client.js";
 import { heatColor } from "../view/theme.js";
 import { icon } from "./icons.js";
 
-export function viewControls({ stage, model, mesh, material, job }) {
+export function viewControls({ stage, model, mesh, material }) {
   const state = { color: "parts", seams: true, rulings: true, original: false };
   const legend = h("div", { class: "legend", hidden: true });
   const apart = slider("Apart", (value) => stage.pose({ explode: value }));
@@ -42,6 +42,7 @@ export function viewControls({ stage, model, mesh, material, job }) {
     stage.result?.show(state);
     stage.flat?.showRulings(state.rulings);
     if (stage.input) stage.input.group.visible = state.original || state.color === "error" || state.color === "tilt";
+    if (stage.drawn) stage.drawn.group.visible = state.original;
     stage.viewport?.draw();
   };
   const toggle = (name, title) =>
@@ -102,7 +103,7 @@ export function viewControls({ stage, model, mesh, material, job }) {
         h("span", { class: "key near" }, "tight"),
         h("span", { class: "key over" }, `below ${material.radius} mm`),
       ),
-      h("span", { class: "hint" }, Number.isFinite(tightest) ? `tightest ${millimetres(tightest)}. ${text}` : text),
+      h("span", { class: "hint" }, Number.isFinite(tightest) ? `Tightest: about ${significant(tightest, 2)} mm. ${text}` : text),
     );
     legend.hidden = false;
   }
@@ -139,13 +140,22 @@ export function viewControls({ stage, model, mesh, material, job }) {
       "div",
       { class: "control-row" },
       segments,
-      toggle("seams", "Seams"),
-      toggle("rulings", "Bend lines"),
-      toggle("original", "Mesh"),
+      h(
+        "div",
+        { class: "toggles" },
+        toggle("seams", "Seams"),
+        toggle("rulings", "Bend lines"),
+        toggle("original", "Your mesh"),
+      ),
     ),
     h("div", { class: "control-row" }, apart.element, fold.element, play),
   );
-  return { element, dispose: () => cancelAnimationFrame(running), job };
+  /** Colours as if chosen here. */
+  const show = (id) => {
+    const radio = segments.querySelector(`input[value=${id}]`);
+    if (!radio.checked) radio.click();
+  };
+  return { element, show, dispose: () => cancelAnimationFrame(running) };
 }
 
 function slider(title, onValue) {

@@ -8,10 +8,9 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshBasicMaterial,
   MeshLambertMaterial,
-  SphereGeometry,
 } from "three";
+import { Marks } from "./marks.js";
 import { heatColor, themeColor } from "./theme.js";
 
 export class InputObject {
@@ -35,8 +34,8 @@ export class InputObject {
     this.borders = lines(mesh.borders);
     this.crowded = lines(mesh.crowded);
     this.box = boxLines(mesh.box, mesh.center);
-    this.marks = new Group();
-    this.group.add(this.surface, this.borders, this.crowded, this.box, this.marks);
+    this.marks = new Marks();
+    this.group.add(this.surface, this.borders, this.crowded, this.box, this.marks.group);
     this.radius = radiusOf(mesh);
     this.recolor();
   }
@@ -46,6 +45,7 @@ export class InputObject {
     this.borders.material.color.set(themeColor("--accent"));
     this.crowded.material.color.set(themeColor("--bad"));
     this.box.material.color.set(themeColor("--ink-faint"));
+    this.marks.recolor();
   }
 
   /** Colours the surface by a value per vertex; `full` is the value of the last colour. null = plain. */
@@ -71,16 +71,7 @@ export class InputObject {
 
   /** Marks places (points relative to the centre) by small balls. */
   markPlaces(points) {
-    this.marks.clear();
-    for (const point of points) {
-      const ball = new Mesh(
-        new SphereGeometry(this.radius * 0.018, 20, 12),
-        new MeshBasicMaterial({ color: themeColor("--bad"), depthTest: false, transparent: true }),
-      );
-      ball.position.set(...point);
-      ball.renderOrder = 10;
-      this.marks.add(ball);
-    }
+    this.marks.show(points, this.radius);
   }
 
   dispose() {
@@ -88,6 +79,7 @@ export class InputObject {
       object.geometry.dispose();
       object.material.dispose();
     }
+    this.marks.dispose();
   }
 }
 

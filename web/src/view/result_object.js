@@ -11,10 +11,9 @@ import {
   Mesh,
   MeshLambertMaterial,
 } from "three";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { foldPart, foldSteps, hinges } from "../result/fold.js";
+import { fatLines, setSegments } from "./fat_lines.js";
+import { Marks } from "./marks.js";
 import { partColor, themeColor } from "./theme.js";
 
 export class ResultObject {
@@ -29,6 +28,8 @@ export class ResultObject {
     this.values = null;
     this.makeSurface();
     this.makeLines();
+    this.marks = new Marks();
+    this.group.add(this.marks.group);
     this.recolor();
     this.update();
   }
@@ -53,7 +54,7 @@ export class ResultObject {
     // The inside is the same sheet, paler: one still sees which part it is.
     this.back = new Mesh(
       this.geometry,
-      new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0x9a9a9a, ...offset }),
+      new MeshLambertMaterial({ side: BackSide, vertexColors: true, color: 0xbdbdbd, ...offset }),
     );
     this.group.add(this.front, this.back);
   }
@@ -70,7 +71,7 @@ export class ResultObject {
     this.seams = fatLines(2.2);
     this.chosen = fatLines(5);
     this.chosen.renderOrder = 2;
-    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.45 }));
+    this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.32 }));
     this.group.add(this.seams, this.rulings, this.chosen);
   }
 
@@ -205,6 +206,7 @@ export class ResultObject {
   }
 
   updateLines() {
+    // All outlines came first, so there are never more.
     this.seams.geometry.setPositions(this.ends(this.pairsOf(this.outlinePairs, "outline")));
     this.rulings.geometry.setAttribute(
       "position",
@@ -237,8 +239,7 @@ export class ResultObject {
         if (wanted) pairs.push(v, part.outline[(place + 1) % part.outline.length]);
       });
     });
-    this.chosen.visible = pairs.length > 0;
-    if (pairs.length > 0) this.chosen.geometry.setPositions(this.ends(pairs));
+    setSegments(this.chosen, this.ends(pairs));
   }
 
   /** Colours by a colour [r, g, b] (sRGB) per vertex instead of by part; null = by part. */
@@ -265,10 +266,11 @@ export class ResultObject {
       }
     });
     this.geometry.attributes.color.needsUpdate = true;
-    this.back.material.emissive.set(themeColor("--sheet-back")).multiplyScalar(0.42);
+    this.back.material.emissive.set(themeColor("--sheet-back")).multiplyScalar(0.2);
     this.seams.material.color.set(themeColor("--seam"));
     this.rulings.material.color.set(themeColor("--seam"));
     this.chosen.material.color.set(themeColor("--accent"));
+    this.marks.recolor();
   }
 
   /** Index of the part of a picked triangle, and the seam when the point is within `reach` of it. */
@@ -298,6 +300,7 @@ export class ResultObject {
   }
 
   dispose() {
+    this.marks.dispose();
     for (const object of [this.front, this.back, this.seams, this.rulings, this.chosen]) {
       object.geometry.dispose();
       object.material.dispose();
@@ -318,15 +321,6 @@ function looksOut({ parts, position: p }) {
     }
   }
   return volume >= 0;
-}
-
-function fatLines(width) {
-  const object = new LineSegments2(
-    new LineSegmentsGeometry(),
-    new LineMaterial({ linewidth: width, transparent: true }),
-  );
-  object.frustumCulled = false;
-  return object;
 }
 
 function centerOf(part, position) {

@@ -2,10 +2,14 @@
 import { h, oncePerFrame, replace } from "../dom.js";
 import { extents } from "../drafts.js";
 import { millimetres } from "../format.js";
+import { Guides } from "../guides.js";
 import { seamPlaces } from "../result/seam_places.js";
 import { icon } from "../ui/icons.js";
+import { drawTools } from "../ui/draw_tools.js";
 import { FlatView } from "./flat_view.js";
+import { GuideObject } from "./guide_object.js";
 import { InputObject } from "./input_object.js";
+import { Pen } from "./pen.js";
 import { ResultObject } from "./result_object.js";
 import { onThemeChange } from "./theme.js";
 import { Viewport } from "./viewport.js";
@@ -26,6 +30,7 @@ export class Stage {
     });
     this.labels = h("div", { class: "labels", "aria-hidden": "true" });
     this.tools = h("div", { class: "tools" });
+    this.left = h("div", { class: "tools-left" });
     this.bottom = h("div", { class: "bottom-tools" });
     this.message = h("p", { class: "stage-message", hidden: true });
     this.element = h("div", { class: "stage" }, this.host3d, this.divider, this.hostFlat);
@@ -33,7 +38,7 @@ export class Stage {
     this.selectionListeners = new Set();
     this.drag = null;
     this.start3d();
-    this.view3d.append(this.labels, this.tools, this.message);
+    this.view3d.append(this.labels, this.left, this.tools, this.message);
     this.host3d.append(this.bottom);
     this.listenToDivider();
     onThemeChange(() => this.recolor());
@@ -51,7 +56,7 @@ export class Stage {
       return;
     }
     this.viewport.onFrame((what, width, height) => {
-      if (what === "resize") this.result?.setResolution(width, height);
+      if (what === "resize") for (const shown of [this.result, this.drawn]) shown?.setResolution(width, height);
       this.placeLabels();
     });
     this.pickSoon = oncePerFrame((event) => this.hover(this.under(event)));
@@ -69,6 +74,8 @@ export class Stage {
   }
 
   clear(message = "") {
+    this.stopDrawing();
+    this.remove("drawn");
     this.remove("input");
     this.remove("result");
     this.setFlat(false);
@@ -77,6 +84,7 @@ export class Stage {
     replace(this.bottom);
     this.message.hidden = !message;
     this.message.textContent = message;
+    this.element.classList.toggle("empty", !message);
     this.viewport?.draw();
   }
 
@@ -87,9 +95,13 @@ export class Stage {
     this[which] = null;
   }
 
-  /** Shows an uploaded mesh. onUp is told when the person turns it upright. */
-  showInput(mesh, { up, scale, onUp, places = [] }) {
+  /**
+   * Shows an uploaded mesh. onUp is told when the person turns it upright. `guides` are what is drawn on it; they may be
+   * changed here when `drawing`.
+   */
+  showInput(mesh, { up, scale, onUp, places = [], guides = null, drawing = false }) {
     this.clear();
+    this.element.classList.remove("empty");
     if (!this.viewport) return;
     this.input = new InputObject(mesh);
     this.input.markPlaces(places);
@@ -100,11 +112,49 @@ export class Stage {
     this.viewport.home();
     this.setScale(scale);
     replace(this.tools, this.viewTools(onUp));
+    if (guides) this.showGuides(guides);
+    if (guides && drawing) this.startDrawing(guides);
   }
+
+  showGuides(guides) {
+    this.drawn = new GuideObject(this.input.mesh.center);
+    this.drawn.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
+    this.viewport.root.add(this.drawn.group);
+    const update = (preview = [], chosen = null) => {
+      this.drawn?.show([...guides.list, ...preview], chosen);
+      this.viewport.draw();
+    };
+    this.drawn.update = update;
+    update();
+  }
+
+  /** Lights up one of the strokes; null = none. */
+  chooseStroke(stroke) {
+    this.drawn?.update([], stroke);
+  }
+
+  startDrawing(guides) {
+    const pen = new Pen(this.viewport, this.input, {
+      onPreview: (strokes) => this.drawn.update(strokes),
+      onStrokes: (strokes) => guides.add(...strokes),
+    });
+    const tools = drawTools(pen, guides, () => this.scale);
+    replace(this.left, tools.element);
+    const stop = guides.onChange(() => this.drawn.update());
+    this.drawTools = tools;
+    this.stopDrawing = () => {
+      this.drawTools = null;
+      for (const end of [stop, () => pen.dispose(), () => tools.dispose()]) end();
+      replace(this.left);
+      this.stopDrawing = () => {};
+    };
+  }
+  stopDrawing = () => {};
 
   /** Millimetres for one unit: the sizes beside the box follow. */
   setScale(scale) {
     this.scale = scale;
+    this.drawTools?.update();
     if (!this.input || this.result) return;
     const sizes = extents(this.input.mesh);
     const { box, center } = this.input.mesh;
@@ -184,6 +234,7 @@ export class Stage {
   /** Shows a result: parts in 3D beside the flat layout. `mesh` = the input, if it is to be had. */
   showResult(model, { up, mesh, onUp }) {
     this.clear();
+    this.element.classList.remove("empty");
     this.marked = [];
     this.model = model;
     this.setFlat(true);
@@ -195,11 +246,23 @@ export class Stage {
     this.result.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
     this.viewport.root.add(this.result.group);
     if (mesh) this.addOverlay(mesh);
+    this.showDrawn(model);
     this.viewport.setUp(up);
     this.up = up;
     this.viewport.fit(this.result.ball().radius);
     this.viewport.home();
     replace(this.tools, this.viewTools(onUp));
+  }
+
+  /** What was drawn on the mesh goes with the overlay. */
+  showDrawn({ layout, center }) {
+    const { list } = new Guides(layout.guides);
+    if (list.length === 0) return;
+    this.drawn = new GuideObject(center);
+    this.drawn.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
+    this.drawn.show(list);
+    this.drawn.group.visible = false;
+    this.viewport.root.add(this.drawn.group);
   }
 
   /** The input over the result, hidden at first; both are drawn around the result's centre. */
@@ -209,6 +272,13 @@ export class Stage {
     this.input.group.position.set(...mesh.center.map((value, axis) => value - this.model.center[axis]));
     this.input.group.visible = false;
     this.viewport.root.add(this.input.group);
+  }
+
+  /** Balls at places of the result, or of the mesh as long as there is none; relative to its centre. */
+  markPlaces(points) {
+    const shown = this.result ?? this.input;
+    shown?.marks.show(points, this.result ? this.model.radius : shown.radius);
+    this.viewport?.draw();
   }
 
   /** Poses the parts and keeps them in sight. */
@@ -296,6 +366,7 @@ export class Stage {
 
   recolor() {
     this.input?.recolor();
+    this.drawn?.recolor();
     this.result?.recolor();
     this.viewport?.draw();
   }

@@ -22,7 +22,7 @@ export class Viewport {
   /** Puts a canvas into `host`; throws when the browser has no WebGL. */
   constructor(host, { label }) {
     this.host = host;
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: "low-power" });
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
