@@ -7,7 +7,9 @@
 #include <optional>
 #include <tuple>
 
+#include "sheetform/guided.h"
 #include "sheetform/mesh/creases.h"
+#include "sheetform/mesh/embed_strokes.h"
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
@@ -95,6 +97,11 @@ double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working, const R
   return std::sqrt(worst);
 }
 
+constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
+constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
+// How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
+constexpr double kDrawnSlack = 0.005;
+
 // Height below which triangles say nothing about creases.
 constexpr double kSliver = 5e-4;
 
@@ -160,13 +167,15 @@ std::vector<Variant> variants(Effort effort) {
           {Effort::kNormal, 400, 150, 3}};
 }
 
-ComponentParams component_params(const DecomposeParams& params, double e_max, const Variant& variant) {
+ComponentParams component_params(const DecomposeParams& params, double e_max, const SpacingBounds& spacing,
+                                 const Variant& variant) {
   ComponentParams c;
   c.evaluation.e_max = e_max;
   c.evaluation.max_sides = params.max_sides;
   c.evaluation.self_seams = params.self_seams;
   c.evaluation.t_junctions = params.t_junctions;
   c.evaluation.normal_deviation = params.normal_deviation.value_or(0);
+  c.spacing = spacing;
   c.morph = params.morph;
   c.seeds = variant.seeds;
   c.improvements = variant.improvements;
@@ -245,12 +254,57 @@ void report_normals(Decomposition& d) {
   r.notes.push_back(text + text_of(normals.worst_place));
 }
 
+void report_bending(Decomposition& d) {
+  Report& r = d.report;
+  r.bending = measure_bending(d.strips, d.params.scale);
+  r.min_bend_radius_met = !d.params.min_bend_radius || r.bending.smallest >= *d.params.min_bend_radius;
+  if (!r.min_bend_radius_met)
+    r.notes.push_back(too_sharp(r.bending, d.strips, *d.params.min_bend_radius) +
+                      "; the sharpest bend is at " + text_of(r.bending.place));
+}
+
+// The bounds of the rulings' distances, in diagonals.
+SpacingBounds spacing_bounds(const DecomposeParams& params, const Normalisation& norm) {
+  const double unit = params.scale * norm.diagonal;
+  SpacingBounds bounds;
+  if (params.ruling_spacing_min) bounds.least = *params.ruling_spacing_min / unit;
+  if (params.ruling_spacing_max) bounds.most = *params.ruling_spacing_max / unit;
+  return bounds;
+}
+
+void report_spacing(Decomposition& d, const Normalisation& norm) {
+  d.report.spacing = measure_spacing(d.strips, d.params.scale);
+  const double unit = d.params.scale * norm.diagonal;
+  SpacingBounds bounds = spacing_bounds(d.params, norm);
+  bounds.least *= norm.diagonal, bounds.most *= norm.diagonal;
+  const SpacingMiss miss = spacing_miss(d.strips, bounds);
+  const auto tell = [&](const char* which, double wanted, double found, const Vector3& place) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%s of %g mm is not kept: ends of rulings are %.4g mm apart at ", which,
+                  wanted, found);
+    d.report.notes.push_back(text + text_of(place));
+  };
+  if (miss.over > kSpacingSlack)
+    tell("the largest ruling spacing", *d.params.ruling_spacing_max,
+         miss.over * bounds.most / norm.diagonal * unit, miss.over_place);
+  if (miss.under > kSpacingSlack)
+    tell("the smallest ruling spacing", *d.params.ruling_spacing_min,
+         bounds.least / miss.under / norm.diagonal * unit, miss.under_place);
+}
+
 // Lengths resolved: scale and e_max as they are in force.
 DecomposeParams resolved(DecomposeParams params, const Normalisation& norm) {
   if (params.target_size) params.scale = *params.target_size / norm.longest;
   if (params.e_max_mm) params.e_max = *params.e_max_mm / (params.scale * norm.diagonal);
   require(params.e_max > 0 && params.e_max <= 0.5, params.e_max_mm ? "e_max_mm" : "e_max",
           "above 0 and at most half of the bounding-box diagonal");
+  const SpacingBounds spacing = spacing_bounds(params, norm);
+  if (spacing.most < kFinestSpacing) {
+    char text[80];
+    std::snprintf(text, sizeof text, "at least 0.2 %% of the bounding-box diagonal: %.3g mm here",
+                  kFinestSpacing * params.scale * norm.diagonal);
+    require(false, "ruling_spacing_max", text);
+  }
   return params;
 }
 
@@ -285,8 +339,9 @@ std::optional<SymmetricHalf> half_to_solve(const SurfaceMesh& mesh, const Normal
 // The run over one input for several tolerances.
 class Sweep {
  public:
-  Sweep(const InputMesh& input, const DecomposeParams& params, const UserField* field, RunContext& context)
-      : input_(input), params_(params), field_(field), context_(context) {}
+  Sweep(const InputMesh& input, const DecomposeParams& params, const UserField* field,
+        const UserGuides* guides, RunContext& context)
+      : input_(input), params_(params), field_(field), guides_(guides), context_(context) {}
 
   // e_max: ascending; empty = the one of the parameters.
   std::vector<Decomposition> run(std::vector<double> e_max) {
@@ -325,7 +380,29 @@ class Sweep {
     for (Vector3& p : mesh_.points) p = norm_.in(p);
     half_ = half_to_solve(mesh_, norm_, common_, context_);
     if (half_) mesh_ = half_->mesh;
-    if (field_ == nullptr) return;
+    if (guides_ != nullptr && !guides_->empty()) prepare_guides();
+    if (field_ != nullptr) prepare_field();
+  }
+
+  // Strokes in the coordinates of mesh_.
+  void prepare_guides() {
+    check_guides(*guides_, {repaired_.mesh.points, repaired_.mesh.faces}, context_);
+    common_.guides = *guides_;
+    UserGuides placed = *guides_;
+    const auto place = [&](std::vector<Vector3>& points) {
+      for (Vector3& p : points) p = half_ ? half_->frame.in(norm_.in(p)) : norm_.in(p);
+    };
+    for (SeamStroke& s : placed.seams) place(s.points);
+    for (BrushStroke& b : placed.keep_out) place(b.points), b.radius /= norm_.diagonal;
+    strokes_ = half_ ? folded(placed) : unfolded(placed);
+    followed_.assign(placed.seams.size(), 0);
+    common_.report.notes.push_back("the user's guides are followed: " + std::to_string(placed.seams.size()) +
+                                   " seams, " + std::to_string(placed.keep_out.size()) +
+                                   " regions to keep free" +
+                                   (half_ ? "; each is mirrored in the plane of symmetry as well" : ""));
+  }
+
+  void prepare_field() {
     require(field_->per_face.empty() ? field_->per_vertex.size() == input_.soup.points.size()
                                      : field_->per_face.size() == input_.soup.faces.size(),
             "field", "one direction for each vertex or face of the mesh");
@@ -339,10 +416,11 @@ class Sweep {
   // What is left of the tolerance; the two distances hardly ever add up in one place.
   double reach(double e_max) const { return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) : e_max; }
 
-  ComponentInput component_input(const SurfaceMesh& mesh, const Variant& variant,
-                                 const RunContext& context) const {
+  ComponentInput component_input(const SurfaceMesh& mesh, const ComponentGuides& guides,
+                                 const Variant& variant, const RunContext& context) {
     ComponentInput input;
     input.prepared = prepared_component(mesh, common_.params, variant.mesh, common_.params.e_max, context);
+    take_guides(guides, input, context);
     input.reference = {mesh.points, mesh.faces};
     input.half = half_.has_value();
     if (field_ == nullptr) return input;
@@ -352,10 +430,26 @@ class Sweep {
     return input;
   }
 
+  void take_guides(const ComponentGuides& drawn, ComponentInput& input, const RunContext& context) {
+    if (!drawn.guides.seams.empty()) {
+      EmbeddedStrokes embedded = embed_strokes(input.prepared, drawn.guides.seams, context);
+      input.prepared = std::move(embedded.prepared);
+      input.drawn_edge = std::move(embedded.drawn_edge);
+      if (half_) input.drawn_plane = drawn_on_plane(input.prepared.mesh, drawn.guides.seams);
+      const std::vector<int>& out = embedded.left_out;
+      for (int i = 0; i < static_cast<int>(drawn.seam.size()); ++i)
+        if (!std::binary_search(out.begin(), out.end(), i)) followed_[drawn.seam[i]] = 1;
+    }
+    const SurfaceMesh& mesh = input.prepared.mesh;
+    input.keep_out = KeepOut(mesh, drawn.guides.keep_out, mean_edge_length(mesh), context);
+  }
+
   void decompose_components(std::vector<Decomposition>& results) {
     std::vector<double> reaches;
     for (const Decomposition& d : results) reaches.push_back(reach(d.params.e_max));
     const auto [component, count] = face_components(mesh_);
+    const std::vector<ComponentGuides> guides = guides_by_component(strokes_, mesh_, component, count);
+    const SpacingBounds spacing = spacing_bounds(common_.params, norm_);
     const std::vector<Variant> tries = variants(params_.effort);
     const double runs = static_cast<double>(count) * static_cast<double>(tries.size());
     double done = 0;
@@ -366,9 +460,10 @@ class Sweep {
         const auto start = Clock::now();
         RunContext part = part_of(context_, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
         done += 1;
-        const ComponentInput input = component_input(mesh, variant, part);
+        const ComponentInput input = component_input(mesh, guides[c], variant, part);
         results[0].report.timings["prepare"] += seconds_since(start);
-        take(sweep_component(input, component_params(common_.params, reaches[0], variant), reaches, part),
+        take(sweep_component(input, component_params(common_.params, reaches[0], spacing, variant), reaches,
+                             part),
              results, best);
       }
       for (std::size_t k = 0; k < results.size(); ++k) {
@@ -408,17 +503,32 @@ class Sweep {
     }
     fill_report(d, norm_, d.params.e_max);
     report_normals(d);
+    report_bending(d);
+    report_spacing(d, norm_);
+    report_guides(d);
     if (d.certificate.strict()) return;
     const Defect& defect = d.certificate.defects.front();
     throw Error(ErrorCode::kInternal,
                 "the result broke its own certificate: " + defect.check + " " + defect.text);
   }
 
+  void report_guides(Decomposition& d) const {
+    std::vector<std::string>& notes = d.report.notes;
+    for (std::size_t i = 0; i < followed_.size(); ++i)
+      if (!followed_[i])
+        notes.push_back("seams[" + std::to_string(i) +
+                        "] was left out: it is shorter than two edges of the "
+                        "working mesh, or a loop too small for it");
+    const double reach = (d.params.e_max + kDrawnSlack) * norm_.diagonal;
+    const auto unmet = unmet_guides(d.guides, repaired_.mesh, d.strips, reach, context_);
+    notes.insert(notes.end(), unmet.begin(), unmet.end());
+  }
+
   Decomposition without_symmetry(const Decomposition& d) const {
     DecomposeParams plain = params_;
     plain.symmetry = SymmetryMode::kOff;
     plain.e_max = d.params.e_max;
-    Decomposition whole = decompose(input_, plain, field_, context_);
+    Decomposition whole = decompose(input_, plain, field_, context_, guides_);
     whole.report.notes.push_back("the symmetric result broke a promise (" + d.certificate.defects[0].text +
                                  "), so the mesh was decomposed as a whole");
     return whole;
@@ -427,12 +537,15 @@ class Sweep {
   const InputMesh& input_;
   const DecomposeParams& params_;
   const UserField* field_;
+  const UserGuides* guides_;
   RunContext& context_;
   Decomposition common_;  // what all results have in common
   RepairResult repaired_;
   Normalisation norm_;
   SurfaceMesh mesh_;  // in diagonals around the origin, the half of a symmetric one
   std::optional<SymmetricHalf> half_;
+  std::vector<ComponentGuides> strokes_;  // in the coordinates of mesh_
+  std::vector<char> followed_;            // by drawn seam: it is in the mesh
   TriangleSoup user_soup_;
   ClosestPointTree user_tree_;
 };
@@ -453,17 +566,24 @@ void validate(const DecomposeParams& params) {
   if (params.normal_deviation)
     require(*params.normal_deviation > 0 && *params.normal_deviation <= 90, "normal_deviation",
             "above 0 and at most 90 degrees, or off");
+  for (const auto& [name, value] : {std::pair("ruling_spacing_min", params.ruling_spacing_min),
+                                    std::pair("ruling_spacing_max", params.ruling_spacing_max),
+                                    std::pair("min_bend_radius", params.min_bend_radius)})
+    if (value) require(*value > 0 && std::isfinite(*value), name, "above 0");
+  if (params.ruling_spacing_min && params.ruling_spacing_max)
+    require(2 * *params.ruling_spacing_min <= *params.ruling_spacing_max, "ruling_spacing_min",
+            "at most half of ruling_spacing_max, so that seams of all lengths can be divided");
 }
 
 Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,
-                        RunContext& context) {
+                        RunContext& context, const UserGuides* guides) {
   validate(params);
-  return Sweep(input, params, field, context).run({}).front();
+  return Sweep(input, params, field, guides, context).run({}).front();
 }
 
 std::vector<Decomposition> sweep(const InputMesh& input, const DecomposeParams& params,
                                  const std::vector<double>& e_max, const UserField* field,
-                                 RunContext& context) {
+                                 RunContext& context, const UserGuides* guides) {
   require(!e_max.empty(), "e_max", "at least one tolerance");
   if (params.e_max_mm) refuse("a sweep takes fractions of the diagonal", "e_max_mm", "use e_max");
   DecomposeParams each = params;
@@ -472,7 +592,7 @@ std::vector<Decomposition> sweep(const InputMesh& input, const DecomposeParams& 
   std::sort(ascending.begin(), ascending.end());
   ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
   each.e_max = ascending.front();
-  const std::vector<Decomposition> found = Sweep(input, each, field, context).run(ascending);
+  const std::vector<Decomposition> found = Sweep(input, each, field, guides, context).run(ascending);
   std::vector<Decomposition> results;
   for (double e : e_max)
     results.push_back(found[std::lower_bound(ascending.begin(), ascending.end(), e) - ascending.begin()]);

@@ -7,6 +7,8 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/base/run_context.h"
+#include "sheetform/bending.h"
+#include "sheetform/mesh/guides.h"
 #include "sheetform/mesh/mesh_audit.h"
 #include "sheetform/mesh/surface_mesh.h"
 #include "sheetform/morph/morph.h"
@@ -25,11 +27,13 @@ struct DecomposeParams {
   std::optional<double> e_max_mm;  ///< tolerance in millimetres instead; wins over e_max
   bool t_junctions = true;
   SymmetryMode symmetry = SymmetryMode::kOff;
-  Plane plane;                              ///< used with SymmetryMode::kPlane
-  int max_sides = 6;                        ///< n of the paper, 3..6
-  std::optional<double> crease_angle = 40;  ///< degrees; none = creases off
-  bool self_seams = true;                   ///< a patch may be glued to itself
-  std::optional<double> normal_deviation;   ///< degrees; optional viability criterion
+  Plane plane;                                                   ///< used with SymmetryMode::kPlane
+  int max_sides = 6;                                             ///< n of the paper, 3..6
+  std::optional<double> crease_angle = 40;                       ///< degrees; none = creases off
+  bool self_seams = true;                                        ///< a patch may be glued to itself
+  std::optional<double> ruling_spacing_min, ruling_spacing_max;  ///< mm between ends of rulings on outlines
+  std::optional<double> min_bend_radius;   ///< mm; sharper bends are reported, nothing else
+  std::optional<double> normal_deviation;  ///< degrees; optional viability criterion
   Effort effort = Effort::kNormal;
   MorphKind morph = MorphKind::kReduced;
   double scale = 1;                   ///< millimetres for one unit of the mesh; target_size wins
@@ -61,13 +65,17 @@ struct Report {
   double normal_deviation = 0;                   ///< degrees; 95 % of the area keep to it
   bool normal_deviation_met = true;              ///< also true where no limit was asked for
   Vector3 normal_worst_place = Vector3::Zero();  ///< units of the mesh
-  std::map<std::string, double> timings;         ///< seconds by stage name
-  std::vector<std::string> notes;  ///< for people: repairs, unmet tolerance and where, fallbacks used
+  BendReport bending;
+  bool min_bend_radius_met = true;  ///< also true where none was asked for
+  SpacingReport spacing;
+  std::map<std::string, double> timings;  ///< seconds by stage name
+  std::vector<std::string> notes;         ///< for people: repairs, unmet tolerance and where, fallbacks used
 };
 
 struct Decomposition {
   StripMesh strips;
   DecomposeParams params;             ///< as in force: scale and e_max resolved
+  UserGuides guides;                  ///< as given
   double bbox_diagonal = 0;           ///< of the input, units of the mesh
   std::optional<Plane> mirror_plane;  ///< of symmetric results: every point has its exact image
   int input_vertices = 0, input_faces = 0;
@@ -80,7 +88,8 @@ struct Decomposition {
 void validate(const DecomposeParams& params);
 
 /// The whole pipeline. Every result has passed its own certificate. Same input, params, seed: same bytes.
+/// `field`, `guides`: of the user, in the units of the mesh; may be null.
 Decomposition decompose(const InputMesh& input, const DecomposeParams& params, const UserField* field,
-                        RunContext& context);
+                        RunContext& context, const UserGuides* guides = nullptr);
 
 }  // namespace sheetform

@@ -15,6 +15,6 @@ namespace sheetform {
 /// shared stages count for the finest.
 std::vector<Decomposition> sweep(const InputMesh& input, const DecomposeParams& params,
                                  const std::vector<double>& e_max, const UserField* field,
-                                 RunContext& context);
+                                 RunContext& context, const UserGuides* guides = nullptr);
 
 }  // namespace sheetform

@@ -33,7 +33,7 @@ std::string value_name(const api::ParameterDefinition& d) {
     case api::ParameterType::kBoolean:
       return "on|off";
     case api::ParameterType::kNumberOrOff:
-      return "DEGREES|off";
+      return d.unit == "mm" ? "MM|off" : "DEGREES|off";
     case api::ParameterType::kPlane:
       return "off|auto|NX,NY,NZ,D";
     case api::ParameterType::kChoice:
@@ -51,6 +51,15 @@ int thread_count(const ParsedLine& line) {
   return cores > 0 ? static_cast<int>(cores) : 1;
 }
 
+// The file that an option names, empty without the option.
+std::string read_beside(const ParsedLine& line, const std::string& option, std::size_t most,
+                        const std::string& fix) {
+  if (!line.has(option)) return {};
+  std::string bytes = read_input_file(line.get(option), most);
+  if (bytes.empty()) throw Error(ErrorCode::kInvalidParameter, "the file is empty", option, fix);
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<OptionSpec> run_options() {
@@ -62,6 +71,11 @@ std::vector<OptionSpec> run_options() {
                      "A cross field to follow instead of the computed one: one direction for each "
                      "triangle or vertex, as .rosy or JSON.",
                      ""});
+  options.push_back(
+      {"--guides", "FILE",
+       "Strokes drawn on the mesh, as JSON: lines that become seams, and brush strokes where no "
+       "seam is wanted.",
+       ""});
   options.push_back(
       {"--threads", "N", "Threads to use; the result does not depend on it. Default: one a core.", ""});
   options.push_back({"--quiet", "", "No progress.", "-q"});
@@ -86,12 +100,12 @@ api::Json given_parameters(const ParsedLine& line) {
 
 std::string read_run_input(const ParsedLine& line) {
   std::string bytes = read_input_file(line.operands[0], kLargestFile);
-  if (!line.has("--field")) return bytes;
-  const std::string field = read_input_file(line.get("--field"), kFieldFileBytes);
-  if (field.empty())
-    throw Error(ErrorCode::kInvalidParameter, "the field is empty", "--field",
-                "give one direction for each triangle or vertex, or leave the option out");
-  return bytes + after_mesh(bytes.size(), field);
+  const std::string field =
+      read_beside(line, "--field", kFieldFileBytes,
+                  "give one direction for each triangle or vertex, or leave the option out");
+  const std::string guides =
+      read_beside(line, "--guides", kGuidesFileBytes, "give a stroke at least, or leave the option out");
+  return bytes + after_mesh(bytes.size(), field, guides);
 }
 
 std::string output_folder(const ParsedLine& line) {

@@ -124,7 +124,8 @@ class Form {
   void begin(const PartHead& part) {
     part_ = part;
     text_.clear();
-    if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "request")
+    if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "guides" &&
+        part.name != "request")
       refuse_body("the part " + part.name.substr(0, 60) + " holds a file", part.name.substr(0, 60),
                   "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl");
     if (part.name != "mesh") return;
@@ -135,27 +136,31 @@ class Form {
   void data(std::string_view bytes) {
     if (part_.name == "mesh") return upload_->add(bytes);
     text_.append(bytes);
-    if (text_.size() > (part_.name == "field" ? kFieldFileBytes : kFieldBytes))
-      refuse_body("a part of the form is too large", part_.name.substr(0, 60));
+    const std::size_t most = part_.name == "field"    ? kFieldFileBytes
+                             : part_.name == "guides" ? kGuidesFileBytes
+                                                      : kFieldBytes;
+    if (text_.size() > most) refuse_body("a part of the form is too large", part_.name.substr(0, 60));
   }
   void end() {
     if (part_.name == "mesh") return;
     if (part_.name == "request") return take_request();
     if (text_.empty()) return;  // an empty field of a form is a field left alone
-    if (part_.name == "field") return take_directions();
+    if (part_.name == "field") return keep_beside(directions_);
+    if (part_.name == "guides") return keep_beside(guides_);
     details_.take_text(part_.name, text_);
   }
   std::unique_ptr<Upload> take() {
     if (!upload_) refuse_body("the form has no part mesh", "mesh");
-    upload_->add(after_mesh(upload_->bytes(), directions_));
+    upload_->add(after_mesh(upload_->bytes(), directions_, guides_));
     return std::move(upload_);
   }
 
  private:
-  // The cross field: it follows the mesh in what is stored.
-  void take_directions() {
-    if (!directions_.empty()) refuse_body("there is more than one part field", "field");
-    directions_ = std::move(text_);
+  // The cross field or the strokes: they follow the mesh in what is stored.
+  void keep_beside(std::string& kept) {
+    const std::string name = part_.name;
+    if (!kept.empty()) refuse_body("there is more than one part " + name, name);
+    kept = std::move(text_);
   }
   void take_request() {
     api::Json value;
@@ -173,7 +178,7 @@ class Form {
   JobService& service_;
   Details& details_;
   PartHead part_;
-  std::string text_, directions_;
+  std::string text_, directions_, guides_;
   std::unique_ptr<Upload> upload_;
 };
 

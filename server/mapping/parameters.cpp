@@ -88,6 +88,9 @@ DecomposeParams to_core(const api::Json& values) {
   p.crease_angle = optional_number(values, "creases");
   p.self_seams = values.at("self_seams");
   p.normal_deviation = optional_number(values, "normal_deviation");
+  p.ruling_spacing_min = optional_number(values, "ruling_spacing_min");
+  p.ruling_spacing_max = optional_number(values, "ruling_spacing_max");
+  p.min_bend_radius = optional_number(values, "min_bend_radius");
   p.effort = from_name<Effort>(kEfforts, values.at("effort"));
   p.morph = from_name<MorphKind>(kMorphs, values.at("morph"));
   p.scale = values.at("scale");
@@ -104,6 +107,9 @@ api::Json to_wire(const DecomposeParams& p) {
                    {"creases", number_or_off(p.crease_angle)},
                    {"self_seams", p.self_seams},
                    {"normal_deviation", number_or_off(p.normal_deviation)},
+                   {"ruling_spacing_min", number_or_off(p.ruling_spacing_min)},
+                   {"ruling_spacing_max", number_or_off(p.ruling_spacing_max)},
+                   {"min_bend_radius", number_or_off(p.min_bend_radius)},
                    {"effort", kEfforts[static_cast<std::size_t>(p.effort)]},
                    {"morph", kMorphs[static_cast<std::size_t>(p.morph)]},
                    {"scale", p.scale},

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "server/base/input_bundle.h"
 #include "server/mapping/field_file.h"
+#include "server/mapping/guides_file.h"
 #include "server/mapping/parameters.h"
 #include "sheetform/blueprint/result_writer.h"
 #include "sheetform/decompose.h"
+#include "sheetform/guided.h"
 #include "sheetform/mesh/mesh_io.h"
 #include "sheetform/sweep.h"
 
@@ -27,6 +30,11 @@ MeshFile read_nonempty_mesh(std::string_view bytes, const std::string& name) {
 std::optional<UserField> field_of(const InputBundle& input, const TriangleSoup& soup) {
   if (input.field.empty()) return std::nullopt;
   return read_field(input.field, soup.points.size(), soup.faces.size());
+}
+
+std::optional<UserGuides> guides_of(const InputBundle& input) {
+  if (input.guides.empty()) return std::nullopt;
+  return read_guides(input.guides);
 }
 
 double millimetres_per_unit(const DecomposeParams& params, const Vector3& size) {
@@ -51,6 +59,10 @@ api::Json report_of(const Decomposition& d) {
           {"normal_p95_deg", r.normal_deviation},
           {"normal_deviation_met", r.normal_deviation_met},
           {"normal_worst_place", place_of(r.normal_worst_place)},
+          {"bend_radius_mm", std::isfinite(r.bending.smallest) ? api::Json(r.bending.smallest) : api::Json()},
+          {"bend_place", place_of(r.bending.place)},
+          {"min_bend_radius_met", r.min_bend_radius_met},
+          {"ruling_spacing_mm", {r.spacing.shortest, r.spacing.longest}},
           {"timings", r.timings},
           {"notes", r.notes}};
 }
@@ -74,8 +86,10 @@ std::vector<OutputFile> files_of(const Decomposition& d) {
 struct ReadInput {
   InputMesh mesh;
   std::optional<UserField> field;
+  std::optional<UserGuides> guides;
   std::vector<std::string> notes;
   const UserField* field_or_null() const { return field ? &*field : nullptr; }
+  const UserGuides* guides_or_null() const { return guides ? &*guides : nullptr; }
 };
 
 ReadInput input_of(std::string_view bytes, const std::string& name, const DecomposeParams& params,
@@ -85,8 +99,10 @@ ReadInput input_of(std::string_view bytes, const std::string& name, const Decomp
   const InputBundle bundle = split_bundle(bytes);
   MeshFile file = read_nonempty_mesh(bundle.mesh, name);
   std::optional<UserField> field = field_of(bundle, file.soup);
+  std::optional<UserGuides> guides = guides_of(bundle);
   context.report(Stage::kRead, 1);
-  return {{std::move(file.soup), file.format, name}, std::move(field), std::move(file.notes)};
+  return {
+      {std::move(file.soup), file.format, name}, std::move(field), std::move(guides), std::move(file.notes)};
 }
 
 Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes) {
@@ -135,6 +151,7 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
   const InputBundle input = split_bundle(bytes);
   const MeshFile file = read_nonempty_mesh(input.mesh, name);
   (void)field_of(input, file.soup);
+  if (const auto guides = guides_of(input)) check_guides(*guides, file.soup);
   Vector3 low = file.soup.points.front(), high = low;
   for (const Vector3& p : file.soup.points) {
     low = low.cwiseMin(p);
@@ -158,7 +175,8 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
                           RunContext& context) {
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
-  const Decomposition result = decompose(input.mesh, params, input.field_or_null(), context);
+  const Decomposition result =
+      decompose(input.mesh, params, input.field_or_null(), context, input.guides_or_null());
   context.report(Stage::kWrite, 0);
   Outcome outcome = outcome_of(result, input.notes);
   context.report(Stage::kWrite, 1);
@@ -170,7 +188,8 @@ SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const ap
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
   SweepOutcome sweep_outcome;
-  const std::vector<Decomposition> results = sweep(input.mesh, params, e_max, input.field_or_null(), context);
+  const std::vector<Decomposition> results =
+      sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null());
   context.report(Stage::kWrite, 0);
   for (const Decomposition& d : results)
     sweep_outcome.steps.push_back({number_text(d.params.e_max), outcome_of(d, input.notes)});

@@ -17,10 +17,11 @@ struct Outcome {
   std::vector<std::string> notes;  ///< for people
 };
 
-/// Both take an input as it is stored (server/base/input_bundle.h): a mesh, and the field given with it.
+/// Both take an input as it is stored (server/base/input_bundle.h): a mesh, and the field and strokes given
+/// with it.
 ///
-/// Reads the mesh and says what it is; reads the field too. sha256 stays empty. parameters: complete. Throws
-/// Error as read_mesh does, and kUnsupportedMesh for a mesh without faces.
+/// Reads the mesh and says what it is; reads field and strokes too. sha256 stays empty. parameters: complete.
+/// Throws Error as read_mesh does, and kUnsupportedMesh for a mesh without faces.
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters);
 
 /// Reads, decomposes, writes. parameters: complete (understood_parameters). Throws Error.

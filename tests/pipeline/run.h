@@ -12,12 +12,12 @@
 namespace sheetform {
 
 inline Decomposition run(const TriangleSoup& soup, const DecomposeParams& params = {}, int threads = 1,
-                         const UserField* field = nullptr) {
+                         const UserField* field = nullptr, const UserGuides* guides = nullptr) {
   InputMesh input;
   input.soup = soup;
   RunContext context;
   context.threads = threads;
-  return decompose(input, params, field, context);
+  return decompose(input, params, field, context, guides);
 }
 
 inline DecomposeParams with_e_max(double e_max) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -39,6 +40,17 @@ std::vector<int> pieces_of(std::size_t triangles, const std::vector<Crease>& cre
   std::vector<int> piece(triangles);
   for (std::size_t i = 0; i < triangles; ++i) piece[i] = find(static_cast<int>(i));
   return piece;
+}
+
+// Half of the patch's area over the length of its only ruling: what lies on either side bends with it.
+double half_width(const StripMesh::Patch& patch, const std::array<Vector2, 2>& ruling,
+                  const std::vector<Vector2>& flat) {
+  double twice = 0;
+  for (const StripMesh::Triangle& t : patch.triangles) {
+    const Vector2 u = flat[t.vt[1]] - flat[t.vt[0]], v = flat[t.vt[2]] - flat[t.vt[0]];
+    twice += std::abs(u.x() * v.y() - u.y() * v.x());
+  }
+  return twice / 4 / std::max((ruling[1] - ruling[0]).norm(), 1e-300);
 }
 
 // One pass of the binomial filter 1/4, 1/2, 1/4; what would leave at an end stays there, so the sum is kept.
@@ -112,6 +124,36 @@ std::vector<double> evened_turns(const std::vector<double>& turns) {
   std::vector<double> even = turns;
   for (int pass = 0; pass < kSmoothingPasses; ++pass) even = smoothed(even);
   return even;
+}
+
+std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& creases,
+                                                 const std::vector<Vector2>& flat) {
+  std::vector<std::array<Vector2, 2>> out;
+  for (const Crease& c : creases) {
+    if (c.ruling < 0) continue;
+    std::array<Vector2, 2> s{flat[c.vt[0]], flat[c.vt[1]]};
+    if (!out.empty() && (s[0] - out.back()[0]).squaredNorm() + (s[1] - out.back()[1]).squaredNorm() >
+                            (s[1] - out.back()[0]).squaredNorm() + (s[0] - out.back()[1]).squaredNorm())
+      std::swap(s[0], s[1]);
+    out.push_back(s);
+  }
+  return out;
+}
+
+std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
+                               const std::vector<Vector2>& flat) {
+  const auto lines = flat_rulings(creases, flat);
+  const std::vector<double> turns = evened_turns(ruling_turns(strips, patch, creases));
+  const auto middle = [&](std::size_t i) { return Vector2((lines[i][0] + lines[i][1]) / 2); };
+  std::vector<double> radii(lines.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, lines.size() - 1);
+    const double spacing = after > before
+                               ? (middle(after) - middle(before)).norm() / static_cast<double>(after - before)
+                               : half_width(strips.patches[patch], lines[i], flat);
+    if (std::abs(turns[i]) > 1e-9) radii[i] = spacing / (std::abs(turns[i]) / kDegrees);
+  }
+  return radii;
 }
 
 std::vector<DrawnRuling> thinned_rulings(const std::vector<double>& turns, double step, double hidden) {

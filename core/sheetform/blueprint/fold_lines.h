@@ -23,6 +23,16 @@ std::vector<double> ruling_turns(const StripMesh& strips, int patch, const std::
 /// Turns with the to-and-fro between neighbouring rulings evened out; their sum stays.
 std::vector<double> evened_turns(const std::vector<double>& turns);
 
+/// Rulings in the plane in their order, all pointing the same way as far as they can. flat: by Crease::vt.
+std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& creases,
+                                                 const std::vector<Vector2>& flat);
+
+/// Radius of bending at each ruling of a patch (distance to the neighbouring rulings over the evened turn;
+/// of a single ruling, half the width of the patch), in units of `flat`; infinite where it does not bend.
+/// creases: of the patch.
+std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
+                               const std::vector<Vector2>& flat);
+
 /// Rulings that stand for `step` degrees of bending each (several steps where one ruling bends that much).
 /// To-and-fro between neighbours is evened out first; then the bending up to any ruling, and what the rulings
 /// drawn up to there stand for, differ by little more than half a step. step 0: all rulings with their own

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sheetform/blueprint/fold_lines.h"
 #include "sheetform/blueprint/materials.h"
@@ -11,25 +10,9 @@
 namespace sheetform {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMarkClear = 0.8;  // mm between a slot and a letter or notch
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 using Segment = std::array<Vector2, 2>;
-
-// Rulings in the plane in their order, all pointing the same way as far as they can.
-std::vector<Segment> flat_rulings(const Blueprint& b, const std::vector<Crease>& creases) {
-  std::vector<Segment> out;
-  for (const Crease& c : creases) {
-    if (c.ruling < 0) continue;
-    Segment s{b.flat[c.vt[0]], b.flat[c.vt[1]]};
-    if (!out.empty() && (s[0] - out.back()[0]).squaredNorm() + (s[1] - out.back()[1]).squaredNorm() >
-                            (s[1] - out.back()[0]).squaredNorm() + (s[0] - out.back()[1]).squaredNorm())
-      std::swap(s[0], s[1]);
-    out.push_back(s);
-  }
-  return out;
-}
 
 double middle_distance(const Segment& a, const Segment& b) {
   return ((a[0] + a[1]) - (b[0] + b[1])).norm() / 2;
@@ -130,16 +113,7 @@ void say(Blueprint& b, const BlueprintPart& part, double allowed) {
 
 std::vector<double> bend_radii(const Blueprint& b, int part) {
   const int patch = b.parts[part].patch;
-  const std::vector<Crease> creases = creases_of(b.strips, patch);
-  const std::vector<Segment> lines = flat_rulings(b, creases);
-  const std::vector<double> turns = evened_turns(ruling_turns(b.strips, patch, creases));
-  std::vector<double> radii(lines.size(), kInfinite);
-  for (std::size_t i = 0; i < lines.size() && lines.size() > 1; ++i) {
-    const std::size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, lines.size() - 1);
-    const double spacing = middle_distance(lines[before], lines[after]) / static_cast<double>(after - before);
-    if (std::abs(turns[i]) > 1e-9) radii[i] = spacing / (std::abs(turns[i]) * kPi / 180);
-  }
-  return radii;
+  return bend_radii(b.strips, patch, creases_of(b.strips, patch), b.flat);
 }
 
 void add_hinges(Blueprint& b) {
@@ -154,7 +128,7 @@ void add_hinges(Blueprint& b) {
     if (part.smallest_radius >= allowed) continue;
     say(b, part, allowed);
     if (!b.options.hinges || b.options.thickness <= 0) continue;
-    const std::vector<Segment> lines = flat_rulings(b, creases_of(b.strips, part.patch));
+    const std::vector<Segment> lines = flat_rulings(creases_of(b.strips, part.patch), b.flat);
     Lattice lattice(b, part);
     int row = 0;
     for (std::size_t i = 0; i + 1 < lines.size(); ++i)

@@ -4,8 +4,7 @@
 
 namespace sheetform {
 
-/// Radius of bending at each ruling of a patch in mm (distance to the neighbouring rulings over the evened
-/// turn), infinite where it does not bend.
+/// Radius of bending at each ruling of a part in mm (fold_lines.h), infinite where it does not bend.
 std::vector<double> bend_radii(const Blueprint& blueprint, int part);
 
 /// Fills smallest_radius of every part; with a material named, says in `warnings` which parts bend tighter

@@ -222,6 +222,7 @@ StripMesh::Arch read_arch(const Json& j, const Ids& ids, std::size_t points, con
   a.patches[1] = sides[1].is_null() ? -1 : position(ids.patches, natural(sides[1], where), where);
   a.crease = j.contains("crease") && j["crease"].is_boolean() && j["crease"].get<bool>();
   a.on_plane = j.contains("on_plane") && j["on_plane"].is_boolean() && j["on_plane"].get<bool>();
+  a.drawn = j.contains("drawn") && j["drawn"].is_boolean() && j["drawn"].get<bool>();
   return a;
 }
 

@@ -1,6 +1,7 @@
 #include "sheetform/blueprint/result_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sheetform/blueprint/layout_svg.h"
@@ -19,6 +20,8 @@ template <class T>
 Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
+
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 // All uvs in millimetres, each patch moved to its place on the page.
 struct FlatLayout {
@@ -118,11 +121,30 @@ Json parameters_of(const DecomposeParams& p) {
           {"crease_angle", or_null(p.crease_angle)},
           {"self_seams", p.self_seams},
           {"normal_deviation", or_null(p.normal_deviation)},
+          {"ruling_spacing_min", or_null(p.ruling_spacing_min)},
+          {"ruling_spacing_max", or_null(p.ruling_spacing_max)},
+          {"min_bend_radius", or_null(p.min_bend_radius)},
           {"effort", name_of(p.effort)},
           {"morph", p.morph == MorphKind::kFull ? "full" : "reduced"},
           {"scale", p.scale},
           {"target_size", or_null(p.target_size)},
           {"seed", p.seed}};
+}
+
+// The strokes as they were given, so that the run can be made again.
+Json guides_of(const UserGuides& guides) {
+  if (guides.empty()) return nullptr;
+  Json seams = Json::array(), keep_out = Json::array();
+  const auto list = [](const std::vector<Vector3>& points) {
+    Json out = Json::array();
+    for (const Vector3& p : points) out.push_back(triple(p));
+    return out;
+  };
+  for (const SeamStroke& s : guides.seams)
+    seams.push_back({{"points", list(s.points)}, {"closed", s.closed}});
+  for (const BrushStroke& b : guides.keep_out)
+    keep_out.push_back({{"points", list(b.points)}, {"radius", b.radius}});
+  return {{"seams", std::move(seams)}, {"keep_out", std::move(keep_out)}};
 }
 
 Json plane_of(const Decomposition& d) {
@@ -159,6 +181,11 @@ Json report_of(const Decomposition& d) {
           {"normal_p95_deg", d.report.normal_deviation},
           {"normal_deviation_met", d.report.normal_deviation_met},
           {"normal_worst_place", triple(d.report.normal_worst_place)},
+          {"bend_radius_mm", finite_or_null(d.report.bending.smallest)},
+          {"bend_patch", d.report.bending.patch < 0 ? Json(nullptr) : Json(d.report.bending.patch)},
+          {"bend_place", triple(d.report.bending.place)},
+          {"min_bend_radius_met", d.report.min_bend_radius_met},
+          {"ruling_spacing_mm", {d.report.spacing.shortest, d.report.spacing.longest}},
           {"strict", d.certificate.strict()},
           {"defects", std::move(defects)},
           {"notes", d.report.notes},
@@ -191,6 +218,8 @@ Json patch_of(const Decomposition& d, int id, const std::string& label) {
     out["error"] = errors[id] / d.bbox_diagonal;
   const std::vector<double>& tilt = d.certificate.normals.patch_quantile;
   if (static_cast<std::size_t>(id) < tilt.size()) out["normal_p95_deg"] = tilt[id];
+  const std::vector<double>& radius = d.report.bending.patch_radius;
+  if (static_cast<std::size_t>(id) < radius.size()) out["bend_radius_mm"] = finite_or_null(radius[id]);
   return out;
 }
 
@@ -200,7 +229,8 @@ Json arch_of(const StripMesh::Arch& arch, int id) {
           {"vertices", arch.vertices},
           {"patches", Json::array({Json(arch.patches[0]), other})},
           {"crease", arch.crease},
-          {"on_plane", arch.on_plane}};
+          {"on_plane", arch.on_plane},
+          {"drawn", arch.drawn}};
 }
 
 // Compact text of one value; texts of users with broken UTF-8 are mended, not refused.
@@ -226,6 +256,7 @@ std::string write_json(const Decomposition& d, const std::vector<std::string>& l
   std::string out = "{\n \"schema\": \"sheetform-layout/1\",\n \"scale\": " + exact(d.params.scale);
   out += ",\n \"input\": " + dump(input) + ",\n \"parameters\": " + dump(parameters_of(d.params));
   out += ",\n \"symmetry_plane\": " + dump(plane_of(d));
+  out += ",\n \"guides\": " + dump(guides_of(d.guides));
   out += ",\n \"page_mm\": " + dump(sheet);
   out += ",\n \"patches\": " + dump_lines(patches) + ",\n \"arches\": " + dump_lines(arches);
   out += ",\n \"audit\": " + dump(audit_of(d.audit)) + ",\n \"report\": " + dump(report_of(d)) + "\n}\n";

@@ -305,7 +305,8 @@ PathNetwork bare_network(const SurfaceMesh& mesh) {
   return network;
 }
 
-void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network) {
+void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network,
+                 PathKind kind) {
   const auto creases_at = [&](int v) {
     std::vector<int> edges;
     for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e)
@@ -320,7 +321,7 @@ void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, 
     return a.normalized().dot(b.normalized()) > -std::cos(50 * kDegree);
   };
   const auto follow = [&](int v, int e) {
-    const int path = network.add_path(PathKind::kCrease);
+    const int path = network.add_path(kind);
     while (network.edge_path[e] == PathNetwork::kFree) {
       network.edge_path[e] = path;
       v = mesh.edges[e].other(v);

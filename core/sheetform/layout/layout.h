@@ -10,12 +10,16 @@ namespace sheetform {
 
 /// Where a path comes from; decides what may be removed.
 enum class PathKind : char {
-  kBorder,   ///< the surface's border: always there
-  kCrease,   ///< sharp edges: arches from the start, removed last
-  kTraced,   ///< field-aligned loop or border-to-border path
-  kCut,      ///< a split of one patch: ends on other paths (T-junctions)
-  kSymmetry  ///< on the symmetry plane
+  kBorder,    ///< the surface's border: always there
+  kCrease,    ///< sharp edges: arches from the start, removed last
+  kTraced,    ///< field-aligned loop or border-to-border path
+  kCut,       ///< a split of one patch: ends on other paths (T-junctions)
+  kSymmetry,  ///< on the symmetry plane
+  kDrawn      ///< a seam that the user has drawn: always there
 };
+
+/// Lines of the input or of the user: neither moved nor removed, and other paths may end on them.
+inline bool is_held(PathKind kind) { return kind != PathKind::kTraced && kind != PathKind::kCut; }
 
 /// Which path runs along each mesh edge. Path 0 is the surface's border.
 struct PathNetwork {
@@ -36,8 +40,10 @@ struct PathNetwork {
 /// [126, 243] degrees are pinned (experiments.md, pitfall 7).
 PathNetwork bare_network(const SurfaceMesh& mesh);
 
-/// Marks creases (by edge) as paths: chains between crease ends, junctions and turns of more than 50 degrees.
-void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network);
+/// Marks creases (by edge), or drawn seams, as paths of this kind: chains between their ends, junctions and
+/// turns of more than 50 degrees. Edges that are used stay what they are.
+void add_creases(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, PathNetwork& network,
+                 PathKind kind = PathKind::kCrease);
 
 /// Makes the border edges on the plane of symmetry (by edge) a path of their own.
 void add_symmetry(const std::vector<char>& plane_edge, PathNetwork& network);

@@ -12,6 +12,8 @@
 #include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
 #include "sheetform/search/patch_tilt.h"
+#include "sheetform/search/spacing.h"
+#include "sheetform/search/stroke_ends.h"
 #include "sheetform/strip/certificate.h"
 
 namespace sheetform {
@@ -27,6 +29,11 @@ constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
+constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is wanted, none is traced or cut
+constexpr int kEvener = 4;        // further morphs for outline points at the distances asked for
+constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips go before the distances
+constexpr double kFineSpacing = ComponentParams().fine_spacing;
+
 constexpr int kFinerAttempts = 3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
@@ -53,6 +60,7 @@ class Laps {
 struct Attempt {
   FinishedLayout finished;
   EvaluationParams evaluation;
+  SpacingMiss uneven;  // against the bounds asked for
   StripMesh strips;
   std::vector<int> invalid;   // patches that break a strict promise
   std::vector<int> too_far;   // valid patches beyond the tolerance
@@ -62,6 +70,13 @@ struct Attempt {
   double miss = 0;  // of ComponentResult
   bool good() const { return invalid.empty() && too_far.empty(); }
 };
+
+// Creases and drawn seams: the field follows them and paths end there.
+std::vector<char> lines_of(const ComponentInput& input) {
+  std::vector<char> lines = input.prepared.crease_edge;
+  for (std::size_t e = 0; e < input.drawn_edge.size(); ++e) lines[e] |= input.drawn_edge[e];
+  return lines;
+}
 
 class ComponentRun {
  public:
@@ -75,19 +90,21 @@ class ComponentRun {
     params_.evaluation.e_max = tolerances.front();
     const SurfaceMesh& mesh = input_.prepared.mesh;
     const auto& crease = input_.prepared.crease_edge;
+    const std::vector<char> lines = lines_of(input_);
     context_.report(Stage::kField, 0);
     curvature_ = principal_curvature(mesh, crease, {}, context_);
     const CrossField field =
-        cross_field(mesh, crease, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+        cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     laps_.lap(Stage::kField);
     context_.report(Stage::kTrace, 0);
-    const TracingGraph graph = tracing_graph(mesh, crease, field, {}, context_);
+    set_up_surface();
+    const TracingGraph graph =
+        without_edges(mesh, tracing_graph(mesh, lines, field, {}, context_), surface_.keep_out);
     TraceParams trace;
     trace.seeds = params_.seeds;
     std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
     laps_.lap(Stage::kTrace);
-    set_up_surface();
-    const PathNetwork start = start_network();
+    const PathNetwork start = start_network(graph, field);
     std::vector<std::unique_ptr<LayoutSearch>> searches;
     searches.push_back(std::make_unique<LayoutSearch>(surface_, start, graph, std::move(candidates),
                                                       search_params(), context_));
@@ -115,6 +132,21 @@ class ComponentRun {
     surface_.details = find_details();
     surface_.elimination_rank = elimination_rank(surface_.mesh);
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
+    surface_.drawn_plane = input_.drawn_plane;
+    if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;
+    surface_.keep_out =
+        edges_inside(surface_.mesh, input_.keep_out, kBeside * mean_edge_length(surface_.mesh));
+    set_up_spacing();
+  }
+
+  // The search keeps to the lower bound; finer than the result usually is it need not be.
+  void set_up_spacing() {
+    if (!params_.spacing.any()) return;
+    double &fine = params_.fine_spacing, &search = params_.evaluation.spacing;
+    const double usual = fine;
+    fine = std::max(std::min(fine, params_.spacing.most), params_.spacing.least);
+    search = std::max(std::min(search, std::max(usual, params_.spacing.most)), params_.spacing.least);
+    params_.evaluation.bounds = {params_.spacing.least, std::max(usual, params_.spacing.most)};
   }
 
   // The strips of a finer tolerance where those of a coarser one are no fewer.
@@ -126,10 +158,13 @@ class ComponentRun {
     return own;
   }
 
-  PathNetwork start_network() const {
+  PathNetwork start_network(const TracingGraph& graph, const CrossField& field) const {
     PathNetwork network = bare_network(surface_.mesh);
     if (input_.half) add_symmetry(surface_.plane.edge, network);
     add_creases(surface_.mesh, input_.prepared.crease_edge, network);
+    if (input_.drawn_edge.empty()) return network;
+    add_creases(surface_.mesh, input_.drawn_edge, network, PathKind::kDrawn);
+    extend_drawn_ends(surface_.mesh, graph, field, network, context_);
     return network;
   }
 
@@ -173,6 +208,7 @@ class ComponentRun {
   }
 
   void reduce(LayoutSearch& search) {
+    search.clear_regions();
     search.remove_paths();
     if (params_.evaluation.t_junctions) {
       search.smooth_what_allows();
@@ -180,6 +216,7 @@ class ComponentRun {
       search.smooth_what_allows();
       search.remove_arches();
       search.improve(tries(search), params_.seed);
+      search.clear_regions();
       search.smooth_what_allows();
       search.remove_arches();
     }
@@ -196,7 +233,7 @@ class ComponentRun {
     double best = 0;
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
-      const Attempt attempt = build_best(search);
+      const Attempt attempt = build_best(search, round < kSpacingRounds);
       const bool valid = attempt.invalid.empty();
       if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
@@ -219,23 +256,31 @@ class ComponentRun {
   }
 
   // Fine outlines bend more smoothly, with few points where no rulings end; even and coarser ones, as the
-  // search had them, when those do not fit.
-  Attempt build_best(LayoutSearch& search) {
-    Attempt best = build(search, params_.fine_spacing, kSparsest);
-    for (double spacing = params_.fine_spacing; spacing <= params_.evaluation.spacing && !best.good();
-         spacing *= 1.4) {
-      Attempt other = build(search, spacing, 1);
+  // search had them, when those do not fit. bounded: at the distances asked for.
+  Attempt build_best(LayoutSearch& search, bool bounded) {
+    const SpacingBounds bounds = bounded ? params_.spacing : SpacingBounds{0, params_.spacing.most};
+    const double fine = bounded ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
+    Attempt best = build(search, fine, kSparsest, bounds);
+    for (double spacing = fine; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
+      Attempt other = build(search, spacing, 1, bounds);
       if (rank(other) < rank(best)) best = std::move(other);
+    }
+    for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
+      Attempt other = build(search, best.evaluation.spacing, best.evaluation.sparsest,
+                            tightened(best.evaluation.bounds, best.uneven));
+      if (!other.invalid.empty() || other.too_far.size() > best.too_far.size()) break;
+      if (other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
   }
 
-  Attempt build(LayoutSearch& search, double spacing, double sparsest) {
+  Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
     fine.normal_deviation *= params_.margin;
     fine.spacing = spacing;
     fine.sparsest = sparsest;
+    fine.bounds = bounds;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
@@ -243,6 +288,7 @@ class ComponentRun {
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
       attempt.evaluation = fine;
+      attempt.uneven = spacing_miss(attempt.strips, params_.spacing);
       if (attempt.good()) return attempt;
       const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;

@@ -16,6 +16,10 @@ struct ComponentInput {
   TriangleSoup reference;      ///< the untouched input surface of this component
   std::vector<Vector3> guide;  ///< cross directions given by the user, per prepared vertex; empty = none
   bool half = false;           ///< of a symmetric surface: its border on x = 0 stays there, to be mirrored
+  std::vector<char>
+      drawn_edge;  ///< by edge of the prepared mesh: a seam that the user has drawn; may be empty
+  std::vector<char> drawn_plane;  ///< the same of border edges on the plane of symmetry; may be empty
+  KeepOut keep_out;               ///< regions of the prepared mesh where the user wants no seam
 };
 
 struct ComponentParams {
@@ -23,6 +27,7 @@ struct ComponentParams {
   int seeds = 200;                        ///< interior seeds of candidate paths
   int improvements = 20;                  ///< tries of the local search
   double fine_spacing = 0.015;            ///< outline samples of the result
+  SpacingBounds spacing;                  ///< of the outline points of the result
   double margin = 0.95;                   ///< the search aims at this share of e_max
   MorphKind morph = MorphKind::kReduced;  ///< gives the last positions; the search takes the reduced one
   std::uint64_t seed = 0;

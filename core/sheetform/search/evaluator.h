@@ -11,9 +11,11 @@
 #include "sheetform/base/run_context.h"
 #include "sheetform/layout/layout.h"
 #include "sheetform/mesh/closest_point.h"
+#include "sheetform/mesh/keep_out.h"
 #include "sheetform/mesh/symmetry.h"
 #include "sheetform/morph/morph.h"
 #include "sheetform/ruling/rulings.h"
+#include "sheetform/search/spacing.h"
 
 namespace sheetform {
 
@@ -35,6 +37,9 @@ struct SearchSurface {
   const CurvatureField* curvature = nullptr;  ///< of `mesh`; may be null but for the full morph
   std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
   PlaneBorder plane;                          ///< of a half; empty without symmetry
+  std::vector<char> drawn_plane;     ///< by edge: on the plane, and drawn as a seam by the user; may be empty
+  const KeepOut* regions = nullptr;  ///< where the user wants no seam; null = there are none
+  std::vector<char> keep_out;        ///< by edge: in `regions` or next to them; empty = there are none
 
   std::vector<char> straight;  ///< by edge: its arch on the plane is one segment, a ruling of the patch
                                ///< beside it joined to its image; empty = none is
@@ -42,6 +47,10 @@ struct SearchSurface {
   bool is_straight(const Arch& arch) const { return !straight.empty() && straight[arch.edges.front()]; }
   bool on_plane(const Arch& arch) const { return !plane.edge.empty() && plane.edge[arch.edges.front()]; }
   bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
+  bool is_drawn(const PathNetwork& network, const Arch& arch) const {
+    return network.kinds[arch.path] == PathKind::kDrawn ||
+           (!drawn_plane.empty() && drawn_plane[arch.edges.front()]);
+  }
 };
 
 struct EvaluationParams {
@@ -50,6 +59,7 @@ struct EvaluationParams {
   bool self_seams = true;
   bool t_junctions = true;
   double spacing = 0.03;        ///< of arch samples
+  SpacingBounds bounds;         ///< of the same, asked for by the user
   double sparsest = 1;          ///< share of their density where no rulings end (see outline_samples.h)
   double corner_reach = 0.03;   ///< length over which directions at nodes are taken
   double corner_turn = 55;      ///< degrees: a node where a patch turns by more is a corner: those of a

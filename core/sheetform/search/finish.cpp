@@ -166,7 +166,8 @@ FinishedLayout FinalPass::solve(int rounds) {
     out.source.arches.push_back({e.arch_unknowns[a],
                                  {left, right},
                                  network_.kinds[arch.path] == PathKind::kCrease,
-                                 surface_.on_plane(arch)});
+                                 surface_.on_plane(arch),
+                                 surface_.is_drawn(network_, arch)});
   }
   out.evaluation = std::move(e);
   return out;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "sheetform/search/split.h"
 #include "sheetform/tracing/path_smoothing.h"
 
 namespace sheetform {
@@ -17,6 +16,9 @@ constexpr double kTooRound = 9;
 // A change of the local search that keeps the number of parts may lengthen the cuts by this much (see
 // objective()), so that the search can walk on.
 constexpr double kPlateau = 0.03;
+// Of a diagonal inside of a region where no seam is wanted: its removal goes before all others, and it may
+// cost that many parts.
+constexpr double kInsideValue = 100, kInsideCost = 100;
 
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
@@ -177,7 +179,7 @@ int LayoutSearch::split(const std::vector<int>& patches, PatchVerdict reason) {
     const auto known = evaluator_.patch(before, p);
     PatchEvaluation asked = *known;
     if (known->viable() || known->verdict == PatchVerdict::kError) asked.verdict = reason;
-    const std::vector<int> edges = split_patch(surface_.mesh, before, p, asked);
+    const std::vector<int> edges = split_around(before, p, asked);
     if (edges.empty()) continue;
     network_.insert_edges(edges, PathKind::kCut);
     ++done;
@@ -308,14 +310,14 @@ void LayoutSearch::smooth() {
   const PathNetwork& net = network_.network();
   for (int e = 0; e < surface_.mesh.edge_count(); ++e) {
     if (!net.used(e)) continue;
-    const PathKind kind = net.kinds[net.edge_path[e]];
     const auto& edge = surface_.mesh.edges[e];
     path_edge[e] = 1;
-    if (kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry)
-      fixed[edge.v0] = fixed[edge.v1] = 1;
+    if (is_held(net.kinds[net.edge_path[e]])) fixed[edge.v0] = fixed[edge.v1] = 1;
   }
   SmoothParams params;
   params.rest = &rest_;
+  if (surface_.regions != nullptr)
+    params.allowed = [&](const Vector3& from, const Vector3& to) { return outside_regions(from, to); };
   for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_))
     surface_.versions[v] = ++last_version_;
   changed();
@@ -522,7 +524,8 @@ double LayoutSearch::merge_value(int arch) {
   const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.6 : 0.35;
   const double parts = static_cast<double>(beside.size()) - fit->patches;
   const double flow = std::max(1 - 3.0 * fit->misalignment, 0.05);  // rulings that follow the shape
-  return (length + 0.15 * parts) * (1.05 - fit->error * fit->error) * side_factor * flow;
+  const double value = (length + 0.15 * parts) * (1.05 - fit->error * fit->error) * side_factor * flow;
+  return value + kInsideValue * length_inside(edges);
 }
 
 std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const PatchLayout& now) const {
@@ -568,7 +571,7 @@ double LayoutSearch::objective() {
   double length = 0;
   for (const Arch& a : layout().arches)
     if (a.left >= 0 && a.right >= 0) length += a.length;
-  return static_cast<double>(layout_.patches.size()) + 0.08 * length;
+  return static_cast<double>(layout_.patches.size()) + 0.08 * length + kInsideCost * length_inside();
 }
 
 // The stretch of a path inside one patch, from outline to outline; empty when the path does not cross it.

@@ -48,7 +48,11 @@ class LayoutSearch {
   /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
   /// kept.
   int improve(int tries, std::uint64_t seed);
-  /// Number of patches plus a little for the length of the cuts.
+  /// Keeps seams out of the regions of the surface where none is wanted: takes out what runs through, or
+  /// cuts around instead, where every patch then fits.
+  void clear_regions();
+  /// Number of patches plus a little for the length of the cuts, and much for what lies inside of the regions
+  /// where none is wanted.
   double objective();
   /// Smooths all paths, and splits what does not fit any more, until nothing changes.
   void settle();
@@ -93,6 +97,15 @@ class LayoutSearch {
                 const std::vector<int>& versions);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   void try_improve(const Path& path, int patch);
+  double length_inside(const std::vector<int>& edges) const;
+  double length_inside();
+  bool can_avoid(const Patch& patch) const;
+  std::vector<int> split_around(const PatchLayout& before, int patch,
+                                const PatchEvaluation& evaluation) const;
+  Vector3 outside_regions(const Vector3& from, const Vector3& to) const;
+  std::vector<std::vector<int>> arches_inside();
+  bool recut_around(const std::vector<int>& arch);
+  std::vector<int> failing_of(const std::vector<int>& faces);
   void join_straight(const std::vector<int>& removed);
   Vector3 arch_direction(int edge, int v) const;
   int combinatorial_corners(const Patch& patch) const;

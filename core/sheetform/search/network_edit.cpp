@@ -34,9 +34,7 @@ bool EditableNetwork::end_fits(int v, int edge) const {
   for (const int* e = mesh_->ring_begin_of(v); e != mesh_->ring_end_of(v); ++e, ++position) {
     if (*e == edge) at = position;
     if (!network_.used(*e)) continue;
-    const PathKind kind = network_.kinds[network_.edge_path[*e]];
-    const bool held = kind == PathKind::kBorder || kind == PathKind::kCrease || kind == PathKind::kSymmetry;
-    (held ? fixed : other).push_back(position);
+    (is_held(network_.kinds[network_.edge_path[*e]]) ? fixed : other).push_back(position);
   }
   if (fixed.size() != 2) return false;
   if (other.empty()) return true;

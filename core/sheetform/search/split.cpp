@@ -17,6 +17,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Queue =
     std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
 
+// Lengths of edges as a cut counts them.
+struct CutLength {
+  static constexpr double kInside = 20;
+  const SurfaceMesh& mesh;
+  const std::vector<char>* keep_out;
+  double operator()(int e) const {
+    return mesh.edge_length(e) * (keep_out != nullptr && (*keep_out)[e] ? kInside : 1);
+  }
+};
+
 // ---- patches that are no disks
 // -------------------------------------------------------------------------------------
 
@@ -26,7 +36,8 @@ struct Tree {
   std::vector<double> distance;
 };
 
-Tree grow_tree(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
+Tree grow_tree(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+               const CutLength& length) {
   Tree tree;
   const std::size_t n = mesh.points.size();
   tree.parent_edge.assign(n, -1), tree.root.assign(n, -1), tree.distance.assign(n, kInfinity);
@@ -48,7 +59,7 @@ Tree grow_tree(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& 
     for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) {
       if (layout.edge_arch[*e] >= 0 || layout.face_patch[mesh.edges[*e].f0] != id) continue;
       const int w = mesh.edges[*e].other(v);
-      const double next = d + mesh.edge_length(*e);
+      const double next = d + length(*e);
       if (next >= tree.distance[w]) continue;
       tree.distance[w] = next, tree.parent_edge[w] = *e, tree.root[w] = tree.root[v];
       queue.emplace(next, w);
@@ -75,8 +86,9 @@ std::vector<int> generator(const SurfaceMesh& mesh, const Tree& tree, int e) {
   return a;
 }
 
-std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
-  const Tree tree = grow_tree(mesh, layout, patch);
+std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                             const CutLength& length) {
+  const Tree tree = grow_tree(mesh, layout, patch, length);
   struct Candidate {
     double length;
     int edge;
@@ -88,7 +100,7 @@ std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout,
       const auto& edge = mesh.edges[e];
       if (layout.edge_arch[e] >= 0 || f != edge.f0) continue;
       if (tree.parent_edge[edge.v0] == e || tree.parent_edge[edge.v1] == e) continue;
-      free_edges.push_back({tree.distance[edge.v0] + tree.distance[edge.v1] + mesh.edge_length(e), e});
+      free_edges.push_back({tree.distance[edge.v0] + tree.distance[edge.v1] + length(e), e});
     }
   // The dual spanning tree takes the longest ways first: what is left over are the short ones (Erickson,
   // Whittlesey).
@@ -112,8 +124,9 @@ std::vector<int> cut_to_disk(const SurfaceMesh& mesh, const PatchLayout& layout,
 }
 
 // Any loop on a closed sphere: around the vertices that are nearer to the start than half of the area.
-std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch) {
-  const Tree tree = grow_tree(mesh, layout, patch);
+std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                              const CutLength& length) {
+  const Tree tree = grow_tree(mesh, layout, patch, length);
   std::vector<int> order = patch.faces;
   auto far = [&](int f) {
     const auto& t = mesh.faces[f];
@@ -158,8 +171,9 @@ struct WantedCut {
 
 class ChartCutter {
  public:
-  ChartCutter(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const PatchChart& chart)
-      : mesh_(mesh), layout_(layout), patch_(patch), chart_(chart) {
+  ChartCutter(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, const PatchChart& chart,
+              const CutLength& length)
+      : layout_(layout), chart_(chart), length_(length) {
     const int n = static_cast<int>(chart.vertices.size());
     place_.assign(n, -1);
     for (const auto& line : chart.boundary)
@@ -198,7 +212,7 @@ class ChartCutter {
       queue.pop();
       if (d > distance[v] || d > best) continue;
       for (const auto& [w, e] : neighbours_[v]) {
-        const double next = d + mesh_.edge_length(e) * (1 + 40 * deviation(v, w, wanted.line));
+        const double next = d + length_(e) * (1 + 40 * deviation(v, w, wanted.line));
         if (place_[w] >= 0) {  // arrived on the outline
           if (!target_ok(origin[v], place_[w], wanted)) continue;
           const double total = next + end_cost(w, wanted.line.back());
@@ -240,10 +254,9 @@ class ChartCutter {
     return best / (scale_ * scale_);
   }
 
-  const SurfaceMesh& mesh_;
   const PatchLayout& layout_;
-  const Patch& patch_;
   const PatchChart& chart_;
+  const CutLength length_;
   std::vector<int> loop_, place_;
   std::vector<std::vector<std::pair<int, int>>> neighbours_;
   double scale_ = 1;
@@ -340,7 +353,8 @@ std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& ch
 }
 
 // From the loose end of a slit (a crease that ends inside of the patch) to the nearest other network vertex.
-std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& layout, int patch) {
+std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
+                                  const CutLength& length) {
   const auto degree = [&](int v) {
     int d = 0;
     for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) d += layout.edge_arch[*e] >= 0;
@@ -370,7 +384,7 @@ std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& la
     for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) {
       const int w = mesh.edges[*e].other(v);
       if (layout.edge_arch[*e] >= 0 || own_vertices.count(w)) continue;
-      const double next = d + mesh.edge_length(*e);
+      const double next = d + length(*e);
       const auto it = known.find(w);
       if (it != known.end() && it->second.first <= next) continue;
       known[w] = {next, *e};
@@ -383,21 +397,22 @@ std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& la
 }  // namespace
 
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
-                             const PatchEvaluation& evaluation) {
+                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out) {
   const Patch& p = layout.patches[patch];
+  const CutLength length{mesh, keep_out};
   if (p.defect == TopologyDefect::kNotADisk) {
-    std::vector<int> edges = cut_to_disk(mesh, layout, p);
-    if (edges.empty() && p.loops == 0) edges = halve_closed(mesh, layout, p);
+    std::vector<int> edges = cut_to_disk(mesh, layout, p, length);
+    if (edges.empty() && p.loops == 0) edges = halve_closed(mesh, layout, p, length);
     if (!edges.empty()) return edges;
   }
   if (p.defect == TopologyDefect::kDangling) {
-    const std::vector<int> edges = extend_loose_end(mesh, layout, patch);
+    const std::vector<int> edges = extend_loose_end(mesh, layout, patch, length);
     if (!edges.empty()) return edges;
   }
   PatchChart own;
   const PatchChart* chart = evaluation.chart.get();
   if (chart == nullptr) own = parametrize(mesh, layout, p, {}), chart = &own;
-  const ChartCutter cutter(mesh, layout, p, *chart);
+  const ChartCutter cutter(mesh, layout, p, *chart, length);
   WantedCut wanted;
   if (p.defect != TopologyDefect::kNone) {
     std::tie(wanted.avoid_a, wanted.avoid_b) = double_place(cutter, *chart);

@@ -12,7 +12,8 @@ namespace sheetform {
 /// - too many sides: so that the corners are shared evenly;
 /// - no rulings, folded, overlapping: across the longer axis of its chart;
 /// - error: across its rulings at the worst place, so that they get shorter (method.md 13.4).
+/// keep_out: by edge, where a cut counts as much longer than it is; null = nowhere.
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
-                             const PatchEvaluation& evaluation);
+                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out = nullptr);
 
 }  // namespace sheetform

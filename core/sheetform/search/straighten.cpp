@@ -31,7 +31,8 @@ void LayoutSearch::set_straight(const std::vector<int>& edges, bool straight) {
 
 bool LayoutSearch::try_straighten(int edge) {
   const Arch arch = layout().arches[layout_.edge_arch[edge]];
-  if (arch.closed() || slope(surface_.mesh, arch) > kCrease) return false;
+  if (arch.closed() || slope(surface_.mesh, arch) > kCrease || surface_.is_drawn(network_.network(), arch))
+    return false;
   const int face = surface_.mesh.edges[edge].f0;
   if (places_.empty()) store(evaluation());
   const std::vector<int> faces = layout_.patches[layout_.face_patch[face]].faces;

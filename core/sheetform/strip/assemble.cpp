@@ -25,7 +25,7 @@ StripMesh assemble_strips(const StripSource& source) {
     mesh.patches.push_back(std::move(patch));
   }
   for (const StripSource::Arch& a : source.arches)
-    mesh.arches.push_back({a.points, a.patches, a.crease, a.on_plane});
+    mesh.arches.push_back({a.points, a.patches, a.crease, a.on_plane, a.drawn});
   return mesh;
 }
 

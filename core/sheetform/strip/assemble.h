@@ -20,6 +20,7 @@ struct StripSource {
     std::array<int, 2> patches;
     bool crease = false;
     bool on_plane = false;  ///< on the plane of symmetry x = 0
+    bool drawn = false;     ///< by the user
   };
   std::vector<Vector3> points;
   std::vector<Patch> patches;

@@ -29,6 +29,7 @@ struct StripMesh {
     std::array<int, 2> patches;  ///< {p, q}; q = -1 on the surface's border, p = q on a seam of p with itself
     bool crease = false;
     bool on_plane = false;  ///< lies on the plane of symmetry
+    bool drawn = false;     ///< a seam that the user has drawn
   };
   std::vector<Vector3> points;
   std::vector<Vector2> uvs;  ///< one for each (patch, vertex), on a seam with itself one for each side

@@ -170,7 +170,8 @@ class Smoother {
     const double anchor = std::pow(1 - std::cos(2 * kPi / params_.cutoff_edges), 2);
     const Points places = fair_paths(mesh_.points, all.movable, all.slot, all.normal, stencils, anchor);
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const Vector3 goal = projected(places[i], all.start[i]);
+      const Vector3 wanted = params_.allowed ? params_.allowed(all.start[i], places[i]) : places[i];
+      const Vector3 goal = projected(wanted, all.start[i]);
       if ((goal - all.start[i]).norm() < params_.min_move * edge_) continue;
       region_.add(mesh_, all.movable[i]);
       goals_.push_back(goal);

@@ -1,6 +1,7 @@
 // Smooth cuts: moves the vertices of paths over the surface until the staircase of the mesh is gone
 // (method.md 6).
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "sheetform/base/run_context.h"
@@ -16,6 +17,8 @@ struct SmoothParams {
   const std::vector<Vector3>* rest = nullptr;
   /// Waves along a path of this many edges are halved, shorter ones go, longer ones stay.
   double cutoff_edges = 24;
+  /// Where a path vertex may go: (from, wanted) -> allowed, near the surface. Null: anywhere.
+  std::function<Vector3(const Vector3&, const Vector3&)> allowed;
   int rounds = 4;            ///< the way is gone in this many parts, vertices around follow in each
   int relax_steps = 2;       ///< tangential Laplacian steps of the vertices around, in a round
   double min_quality = 0.1;  ///< 2 r_in / R_circ that no touched face may fall below

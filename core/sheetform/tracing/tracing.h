@@ -37,6 +37,9 @@ struct GraphParams {
 TracingGraph tracing_graph(const SurfaceMesh& mesh, const std::vector<char>& crease_edge,
                            const CrossField& field, const GraphParams& params, RunContext& context);
 
+/// The graph without the arcs that run over one of these edges (by edge; empty = none), so that no path does.
+TracingGraph without_edges(const SurfaceMesh& mesh, TracingGraph graph, const std::vector<char>& edges);
+
 /// A chain of mesh edges, simple (no vertex twice, apart from the closing one of a loop, which is not
 /// repeated here).
 struct Path {

@@ -1,0 +1,85 @@
+"""Strokes drawn on the mesh, uploaded beside it."""
+import json
+
+from harness import EXECUTION, ServerCase, arc, main
+from test_api import form
+
+
+class UserGuides(ServerCase):
+    fake = False
+
+    def upload(self, *parts):
+        body, kind = form(list(parts))
+        return self.server.request("POST", EXECUTION, body, {"Content-Type": kind})
+
+    @staticmethod
+    def middle(mesh):
+        """A stroke through a vertex in the middle of the mesh and on to another one."""
+        points = [[float(x) for x in line.split()[1:4]] for line in mesh.decode().splitlines() if line[:2] == "v "]
+        low, high = points[0], points[-1]
+        return {"seams": [{"points": [low, high], "closed": False}]}
+
+    def test_they_are_followed_recorded_and_the_mesh_stays_the_mesh(self):
+        mesh = arc()
+        guides = self.middle(mesh)
+        guides["keep_out"] = [{"points": guides["seams"][0]["points"][:1], "radius": 0.01}]
+        parts = [("mesh", "arc.obj", mesh), ("guides", "guides.json", json.dumps(guides).encode())]
+        for order in (0, 1):  # the guides may come before the mesh
+            answer = self.upload(*(parts[::-1] if order else parts), ("seed", None, b"%d" % order))
+            self.assertEqual(answer.status, 201, answer.body)
+            job = self.server.wait(answer.json()["jobID"], timeout=120)
+            self.assertEqual(job["status"], "successful", job)
+            self.assertTrue(any("guides" in note for note in job["report"]["notes"]), job["report"])
+            root = f"/api/v1/jobs/{job['jobID']}"
+            self.assertEqual(self.server.get(f"{root}/input").body, mesh)
+            layout = self.server.get(f"{root}/results/layout.json").json()
+            self.assertEqual(layout["guides"], guides)
+            self.assertTrue(any(arch["drawn"] for arch in layout["arches"]))
+            self.assertIn("bend_radius_mm", job["report"])
+
+    def test_guides_in_a_text_part_and_with_a_field(self):
+        mesh = arc()
+        faces = mesh.count(b"\nf ") + mesh.startswith(b"f ")
+        field = (f"{faces}\n4\n" + "0 0 1\n" * faces).encode()
+        answer = self.upload(("mesh", "a.obj", mesh), ("field", "f.rosy", field),
+                             ("guides", None, json.dumps(self.middle(mesh)).encode()))
+        self.assertEqual(answer.status, 201, answer.body)
+        job = self.server.wait(answer.json()["jobID"], timeout=120)
+        self.assertEqual(job["status"], "successful", job)
+        notes = " ".join(job["report"]["notes"])
+        self.assertIn("field", notes)
+        self.assertIn("guides", notes)
+
+    def test_the_same_mesh_with_other_guides_is_another_job(self):
+        mesh = arc()
+        one, two = self.middle(mesh), self.middle(mesh)
+        two["seams"][0]["points"].reverse()
+        jobs = [self.upload(("mesh", "a.obj", mesh), ("effort", None, b"draft"), *part).json()
+                for part in ([], [("guides", None, json.dumps(one).encode())],
+                             [("guides", None, json.dumps(two).encode())])]
+        self.assertEqual(len({job["inputs"]["mesh"]["sha256"] for job in jobs}), 3)
+
+    def test_wrong_guides_are_refused_with_where_and_fix(self):
+        far = {"seams": [{"points": [[0, 0, 0], [1e6, 0, 0]]}]}
+        for guides, where in ((b"nonsense", "guides"), (b"\0" * 100, "guides"), (b"{}", "guides"),
+                              (b'{"seams":[{"points":[[0,0,0]]}]}', "guides, seams[0]"),
+                              (b'{"keep_out":[{"points":[[0,0,0]],"radius":0}]}', "guides, keep_out[0]"),
+                              (json.dumps(far).encode(), "guides, seams[0], point")):
+            answer = self.upload(("mesh", "a.obj", arc()), ("guides", "g.json", guides))
+            self.assert_problem(answer, 422, "invalid-parameter")
+            problem = answer.json()
+            self.assertIn(where, problem["where"])
+            self.assertTrue(problem["fix"])
+        empty = self.upload(("mesh", "a.obj", arc()), ("guides", "g.json", b""))
+        self.assertEqual(empty.status, 201)  # an empty part is a part left alone
+
+    def test_more_than_one_part_and_too_large_a_part_are_refused(self):
+        guides = json.dumps(self.middle(arc())).encode()
+        answer = self.upload(("mesh", "a.obj", arc()), ("guides", "f", guides), ("guides", "f", guides))
+        self.assert_problem(answer, 400, "malformed-request")
+        answer = self.upload(("mesh", "a.obj", arc()), ("guides", "f", b" " * (5 << 20)))
+        self.assert_problem(answer, 400, "malformed-request")
+
+
+if __name__ == "__main__":
+    main()
