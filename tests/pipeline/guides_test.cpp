@@ -79,7 +79,7 @@ TEST(SeamStrokes, TheEquatorOfASphereBecomesASeam) {
     expect_sound(soup, d);
     EXPECT_TRUE(d.report.e_max_met);
     EXPECT_LT(farthest(d, equator, true), 0.03 * d.bbox_diagonal + 0.01);
-    EXPECT_NEAR(drawn_length(d.strips), 2 * kPi, 0.2);
+    EXPECT_NEAR(drawn_length(d.strips), 2 * kPi, 0.7);  // it may lie 0.1 outside
     EXPECT_TRUE(told(d, "guides"));
     EXPECT_FALSE(told(d, "as drawn is up to"));
     ASSERT_EQ(d.guides.seams.size(), 1u);
@@ -154,7 +154,7 @@ TEST(SeamStrokes, EachComponentGetsItsOwn) {
   expect_sound(soup, d);
   EXPECT_LT(farthest(d, other, true), 0.05 * d.bbox_diagonal);
   for (const StripMesh::Arch& a : d.strips.arches)
-    if (a.drawn) EXPECT_EQ(d.strips.patches[a.patches[0]].component, 1);
+    EXPECT_TRUE(!a.drawn || d.strips.patches[a.patches[0]].component == 1);
 }
 
 TEST(SeamStrokes, AreMirroredWithTheMesh) {

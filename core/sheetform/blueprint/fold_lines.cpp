@@ -145,14 +145,15 @@ std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::ve
   const auto lines = flat_rulings(creases, flat);
   const std::vector<double> turns = evened_turns(ruling_turns(strips, patch, creases));
   const auto middle = [&](std::size_t i) { return Vector2((lines[i][0] + lines[i][1]) / 2); };
-  std::vector<double> radii(lines.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> width(lines.size()), radii(lines.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, lines.size() - 1);
-    const double spacing = after > before
-                               ? (middle(after) - middle(before)).norm() / static_cast<double>(after - before)
-                               : half_width(strips.patches[patch], lines[i], flat);
-    if (std::abs(turns[i]) > 1e-9) radii[i] = spacing / (std::abs(turns[i]) / kDegrees);
+    width[i] = after > before ? (middle(after) - middle(before)).norm() / static_cast<double>(after - before)
+                              : half_width(strips.patches[patch], lines[i], flat);
   }
+  width = evened_turns(width);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (std::abs(turns[i]) > 1e-9) radii[i] = width[i] / (std::abs(turns[i]) / kDegrees);
   return radii;
 }
 

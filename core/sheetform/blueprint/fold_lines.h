@@ -27,9 +27,9 @@ std::vector<double> evened_turns(const std::vector<double>& turns);
 std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& creases,
                                                  const std::vector<Vector2>& flat);
 
-/// Radius of bending at each ruling of a patch (distance to the neighbouring rulings over the evened turn;
-/// of a single ruling, half the width of the patch), in units of `flat`; infinite where it does not bend.
-/// creases: of the patch.
+/// Radius of bending at each ruling of a patch (distance to the neighbouring rulings over the turn, both
+/// evened alike; of a single ruling, half the width of the patch), in units of `flat`; infinite where it does
+/// not bend. creases: of the patch.
 std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
                                const std::vector<Vector2>& flat);
 

@@ -13,17 +13,19 @@ namespace sheetform {
 namespace {
 
 // Lengths in edges of the mesh.
-constexpr double kSample = 0.25;     // between points of a stroke
-constexpr double kSmallOpen = 2;     // shorter strokes are left out
-constexpr double kSmallClosed = 8;   // so are shorter loops
-constexpr double kShortLoop = 4;     // a stroke that comes back so soon only trembles
-constexpr double kSnap = 1.5;        // an end so near to a line is to end there
-constexpr double kSnapToEnd = 1;     // the same where the line itself ends or meets another
-constexpr double kOvershoot = 2;     // an end that has just crossed a line is to end on it
-constexpr double kAlong = 0.75;      // as near as this it runs along a line ...
-constexpr double kAlongLength = 3;   // ... when it does so for this long
-constexpr double kOffVertex = 0.04;  // of the edge: crossings keep so far from its ends
-constexpr int kMostFaces = 2000;     // that are looked at for the way between two points
+constexpr double kSample = 0.25;        // between points of a stroke
+constexpr double kSmallOpen = 2;        // shorter strokes are left out
+constexpr double kSmallClosed = 8;      // so are shorter loops
+constexpr double kShortLoop = 4;        // a stroke that comes back so soon only trembles
+constexpr double kSnap = 1.5;           // an end so near to a line is to end there
+constexpr double kSnapToEnd = 1;        // the same where the line itself ends or meets another
+constexpr double kOvershoot = 2;        // an end that has just crossed a line is to end on it
+constexpr double kAlong = 0.75;         // as near as this it runs along a line ...
+constexpr double kAlongLength = 3;      // ... when it does so for this long
+constexpr double kShortPart = 1;        // what is left of a stroke between two such stretches is no seam
+constexpr double kOffVertex = 0.04;     // of the edge: crossings keep so far from its ends
+constexpr int kMostFaces = 2000;        // that are looked at for the way between two points
+constexpr std::size_t kMostSteps = 12;  // from face to face to what an end is to meet
 
 // Where on the edge a-b (0..1) the segment p-q comes nearest.
 double nearest_on_edge(const Vector3& a, const Vector3& b, const Vector3& p, const Vector3& q) {
@@ -77,10 +79,11 @@ class Embedder {
   // False when the stroke is too small to be drawn in this mesh.
   bool add(const SeamStroke& stroke) {
     context_.checkpoint();
-    const Curve curve = curve_on_surface(tree_, stroke.points, stroke.closed, kSample * edge_);
+    Curve curve = curve_on_surface(tree_, stroke.points, stroke.closed, kSample * edge_);
     const double length = lengths_along(curve).back();
     const double gap = (curve.back().point - curve.front().point).norm();
     const bool closed = stroke.closed || (gap < kSnap * edge_ && length > kSmallClosed * edge_);
+    if (closed && !stroke.closed) curve = curve_on_surface(tree_, stroke.points, true, kSample * edge_);
     if (length < (closed ? kSmallClosed : kSmallOpen) * edge_) return false;
     const std::vector<Curve> parts = beside_lines(curve, closed);
     if (parts.size() == 1 && parts[0].size() == curve.size()) return insert(curve, closed);
@@ -144,7 +147,7 @@ class Embedder {
       if (i == 0 || along[i - 1]) parts.emplace_back();
       parts.back().push_back(curve[i]);
     }
-    std::erase_if(parts, [&](const Curve& part) { return part.size() < 2; });
+    std::erase_if(parts, [&](const Curve& part) { return lengths_along(part).back() < kShortPart * edge_; });
     return parts;
   }
 
@@ -153,6 +156,7 @@ class Embedder {
     int from = -1;
     bool any = false;
     for (int piece = 0; piece < static_cast<int>(4 + curve.size()); ++piece) {
+      for (CurvePoint& p : curve) p.face = tree_.closest(p.point).face;  // the mesh has changed
       Chain chain = follow(curve, closed);
       Curve rest;
       if (chain.cut > 0) {
@@ -164,7 +168,6 @@ class Embedder {
       attach(chain, curve, from, !rest.empty());
       from = cut_in(chain, any);
       if (rest.size() < 2) break;
-      for (CurvePoint& p : rest) p.face = tree_.closest(p.point).face;
       curve = std::move(rest);
     }
     return any;
@@ -273,14 +276,15 @@ class Embedder {
 
   void end_nearby(Chain& chain, const Curve& curve, const Vector3& tip, bool at_front) const {
     const std::vector<double> at = lengths_along(curve);
-    // What overshoots a line a little ends on it.
+    const int v = nearest_line_vertex(tip);
     for (std::size_t k = chain.gates.size() / 2; k < chain.gates.size(); ++k) {
       const double left = at_front ? at[chain.gates[k].sample] : at.back() - at[chain.gates[k].sample];
       if (left > kOvershoot * edge_ || !is_line(chain.gates[k].edge)) continue;
-      chain.gates.resize(k + 1), chain.faces.resize(k + 1);
-      return;
+      // What overshoots a line a little ends on it, or at its end when that is what it meets.
+      const bool meets_end = v >= 0 && line_degree_[v] == 1;
+      chain.gates.resize(meets_end ? k : k + 1), chain.faces.resize(k + 1);
+      if (!meets_end) return;
     }
-    const int v = nearest_line_vertex(tip);
     if (v >= 0) end_at(chain, v, tip);
   }
 
@@ -302,7 +306,7 @@ class Embedder {
       const std::unordered_set<int> used(chain.faces.begin(), chain.faces.end());
       const auto steps = way(
           chain.faces.back(), tip, mesh_.points[v], [&](int f) { return has_corner(f, v); }, used, false);
-      if (steps.empty()) return;
+      if (steps.empty() || steps.size() > kMostSteps) return;
       const int sample = chain.gates.empty() ? 0 : chain.gates.back().sample;
       for (const Step& s : steps) {
         chain.faces.push_back(s.face);
