@@ -1,7 +1,10 @@
 """Strokes drawn on the mesh, uploaded beside it."""
 import json
+import os
+import subprocess
+import tempfile
 
-from harness import EXECUTION, ServerCase, arc, main
+from harness import EXECUTION, PROGRAM, ServerCase, arc, main
 from test_api import form
 
 
@@ -72,6 +75,33 @@ class UserGuides(ServerCase):
             self.assertTrue(problem["fix"])
         empty = self.upload(("mesh", "a.obj", arc()), ("guides", "g.json", b""))
         self.assertEqual(empty.status, 201)  # an empty part is a part left alone
+
+    def test_on_the_command_line(self):
+        mesh, guides = arc(), self.middle(arc())
+        with tempfile.TemporaryDirectory() as folder:
+            path = lambda name: os.path.join(folder, name)
+            for name, content in (("arc.obj", mesh), ("good.json", json.dumps(guides).encode()), ("empty.json", b""),
+                                  ("bad.json", b'{"seams":[{"points":[[0,0,0],[1,null,0]]}]}')):
+                with open(path(name), "wb") as f:
+                    f.write(content)
+            run = lambda *more: subprocess.run([PROGRAM, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                               timeout=200)
+            done = run("decompose", path("arc.obj"), "-o", path("out"), "--guides", path("good.json"), "-q")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(path("out/layout.json")) as f:
+                self.assertEqual(json.load(f)["guides"], guides)
+            self.assertEqual(run("verify", path("arc.obj"), path("out")).returncode, 0)
+            done = run("sweep", path("arc.obj"), "-o", path("sweep"), "--e-max", "0.05,0.02", "--guides",
+                       path("good.json"), "-q")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for step in ("0.05", "0.02"):
+                with open(path(f"sweep/{step}/layout.json")) as f:
+                    self.assertTrue(any(arch["drawn"] for arch in json.load(f)["arches"]))
+            for name, words in (("bad.json", b"guides, seams[0], point 1"), ("empty.json", b"--guides")):
+                done = run("decompose", path("arc.obj"), "-o", path("no"), "--guides", path(name), "-q")
+                self.assertEqual(done.returncode, 64)
+                self.assertIn(words, done.stderr)
+                self.assertFalse(os.path.exists(path("no")))
 
     def test_more_than_one_part_and_too_large_a_part_are_refused(self):
         guides = json.dumps(self.middle(arc())).encode()
