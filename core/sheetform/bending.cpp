@@ -13,13 +13,14 @@ constexpr std::size_t kNamed = 5;  // parts that a note names
 
 }  // namespace
 
-BendReport measure_bending(const StripMesh& strips, double scale) {
+BendReport measure_bending(const StripMesh& strips, double scale, std::optional<double> asked) {
   BendReport report;
+  report.reach = asked ? *asked / 2 : kBendReach * scale * bounding_box_diagonal(strips.points);
   std::vector<Vector2> flat = strips.uvs;
   for (Vector2& p : flat) p *= scale;
   for (int p = 0; p < static_cast<int>(strips.patches.size()); ++p) {
     const std::vector<Crease> creases = creases_of(strips, p);
-    const std::vector<double> radii = bend_radii(strips, p, creases, flat);
+    const std::vector<double> radii = bend_radii(strips, p, creases, flat, report.reach);
     const auto least = std::min_element(radii.begin(), radii.end());
     report.patch_radius.push_back(least == radii.end() ? std::numeric_limits<double>::infinity() : *least);
     if (report.patch_radius.back() >= report.smallest) continue;

@@ -256,7 +256,7 @@ void report_normals(Decomposition& d) {
 
 void report_bending(Decomposition& d) {
   Report& r = d.report;
-  r.bending = measure_bending(d.strips, d.params.scale);
+  r.bending = measure_bending(d.strips, d.params.scale, d.params.min_bend_radius);
   r.min_bend_radius_met = !d.params.min_bend_radius || r.bending.smallest >= *d.params.min_bend_radius;
   if (!r.min_bend_radius_met)
     r.notes.push_back(too_sharp(r.bending, d.strips, *d.params.min_bend_radius) +

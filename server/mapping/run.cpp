@@ -61,6 +61,7 @@ api::Json report_of(const Decomposition& d) {
           {"normal_worst_place", place_of(r.normal_worst_place)},
           {"bend_radius_mm", std::isfinite(r.bending.smallest) ? api::Json(r.bending.smallest) : api::Json()},
           {"bend_place", place_of(r.bending.place)},
+          {"bend_reach_mm", r.bending.reach},
           {"min_bend_radius_met", r.min_bend_radius_met},
           {"ruling_spacing_mm", {r.spacing.shortest, r.spacing.longest}},
           {"timings", r.timings},

@@ -106,11 +106,12 @@ TEST(RulingSpacing, FinerThanTheProgramGoesIsRefusedWithTheLimit) {
 }
 
 TEST(BendRadius, OfACylinderIsItsRadius) {
-  const TriangleSoup soup = shapes::cylinder(64, 24, 1, 2);
-  DecomposeParams params = with_e_max(0.01);
-  params.scale = 50;
+  const TriangleSoup soup = shapes::cylinder_patch(64, 24, 1, 1);
+  DecomposeParams params = with_e_max(0.002);
+  params.scale = 50, params.min_bend_radius = 40;
   const Decomposition d = run(soup, params, 2);
-  EXPECT_NEAR(d.report.bending.smallest, 50, 4);
+  EXPECT_NEAR(d.report.bending.smallest, 50, 5);
+  EXPECT_EQ(d.report.bending.reach, 20);
   EXPECT_NEAR(std::hypot(d.report.bending.place.x(), d.report.bending.place.y()), 1, 0.05);
   EXPECT_EQ(d.report.bending.patch_radius.size(), d.strips.patches.size());
   EXPECT_TRUE(d.report.min_bend_radius_met);
@@ -121,7 +122,7 @@ TEST(BendRadius, TooSharpAreNamedAndTheResultStays) {
   DecomposeParams params;
   params.scale = 50;
   const Decomposition plain = run(soup, params, 2);
-  params.min_bend_radius = 30;
+  params.min_bend_radius = 25;
   EXPECT_TRUE(run(soup, params, 2).report.min_bend_radius_met);
   params.min_bend_radius = 80;
   const Decomposition d = run(soup, params, 2);

@@ -42,15 +42,40 @@ std::vector<int> pieces_of(std::size_t triangles, const std::vector<Crease>& cre
   return piece;
 }
 
-// Half of the patch's area over the length of its only ruling: what lies on either side bends with it.
-double half_width(const StripMesh::Patch& patch, const std::array<Vector2, 2>& ruling,
-                  const std::vector<Vector2>& flat) {
-  double twice = 0;
-  for (const StripMesh::Triangle& t : patch.triangles) {
-    const Vector2 u = flat[t.vt[1]] - flat[t.vt[0]], v = flat[t.vt[2]] - flat[t.vt[0]];
-    twice += std::abs(u.x() * v.y() - u.y() * v.x());
+double flat_area(const StripMesh::Triangle& t, const std::vector<Vector2>& flat) {
+  const Vector2 u = flat[t.vt[1]] - flat[t.vt[0]], v = flat[t.vt[2]] - flat[t.vt[0]];
+  return std::abs(u.x() * v.y() - u.y() * v.x()) / 2;
+}
+
+// Mean widths of the pieces outside of the first and of the last ruling.
+std::array<double, 2> end_widths(const StripMesh::Patch& patch, const std::vector<Crease>& creases,
+                                 const std::vector<Vector2>& flat) {
+  const std::vector<int> piece = pieces_of(patch.triangles.size(), creases);
+  std::vector<double> area(piece.size(), 0);
+  std::vector<int> rulings_at(piece.size(), 0);
+  for (std::size_t t = 0; t < piece.size(); ++t) area[piece[t]] += flat_area(patch.triangles[t], flat);
+  int rulings = 0;
+  for (const Crease& c : creases)
+    for (int t : c.triangles)
+      if (c.ruling >= 0) ++rulings_at[piece[t]], ++rulings;
+  std::array<double, 2> widths{0, 0};
+  const Crease *first = &creases.front(), *last = first + rulings / 2 - 1;
+  for (int side : {0, 1}) {
+    const Crease& c = side == 0 ? *first : *last;
+    const int outer = rulings_at[piece[c.triangles[side]]] == 1 ? side : 1 - side;
+    if (rulings_at[piece[c.triangles[outer]]] == 1)
+      widths[side] =
+          area[piece[c.triangles[outer]]] / std::max((flat[c.vt[1]] - flat[c.vt[0]]).norm(), 1e-300);
   }
-  return twice / 4 / std::max((ruling[1] - ruling[0]).norm(), 1e-300);
+  return widths;
+}
+
+// How far along the patch the middle of each ruling lies.
+std::vector<double> middles_along(const std::vector<std::array<Vector2, 2>>& lines) {
+  std::vector<double> at(lines.size(), 0);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    at[i] = at[i - 1] + ((lines[i][0] + lines[i][1]) - (lines[i - 1][0] + lines[i - 1][1])).norm() / 2;
+  return at;
 }
 
 // One pass of the binomial filter 1/4, 1/2, 1/4; what would leave at an end stays there, so the sum is kept.
@@ -141,19 +166,32 @@ std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& crea
 }
 
 std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
-                               const std::vector<Vector2>& flat) {
+                               const std::vector<Vector2>& flat, double reach) {
   const auto lines = flat_rulings(creases, flat);
-  const std::vector<double> turns = evened_turns(ruling_turns(strips, patch, creases));
-  const auto middle = [&](std::size_t i) { return Vector2((lines[i][0] + lines[i][1]) / 2); };
-  std::vector<double> width(lines.size()), radii(lines.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, lines.size() - 1);
-    width[i] = after > before ? (middle(after) - middle(before)).norm() / static_cast<double>(after - before)
-                              : half_width(strips.patches[patch], lines[i], flat);
+  const std::vector<double> turns = ruling_turns(strips, patch, creases);
+  std::vector<double> at = middles_along(lines), radii(lines.size(), std::numeric_limits<double>::infinity());
+  if (lines.empty()) return radii;
+  // Each ruling's share of the way, as far as halfway to its neighbours, and the turn up to there.
+  const std::size_t n = lines.size();
+  const auto [front, back] = end_widths(strips.patches[patch], creases, flat);
+  std::vector<double> border{at[0] - front / 2}, turned{0};
+  for (std::size_t i = 0; i < n; ++i) {
+    border.push_back(i + 1 < n ? (at[i] + at[i + 1]) / 2 : at[i] + back / 2);
+    turned.push_back(turned.back() + turns[i] / kDegrees);
   }
-  width = evened_turns(width);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (std::abs(turns[i]) > 1e-9) radii[i] = width[i] / (std::abs(turns[i]) / kDegrees);
+  const auto turned_up_to = [&](double x) {
+    const std::size_t k = std::upper_bound(border.begin() + 1, border.end() - 1, x) - border.begin();
+    const double share = border[k] - border[k - 1];
+    return turned[k - 1] + (turned[k] - turned[k - 1]) * (share > 0 ? (x - border[k - 1]) / share : 1);
+  };
+  const double span = std::min(reach, border.back() - border.front());
+  for (std::size_t i = 0; i < n; ++i) {
+    const double wide = std::max(span, border[i + 1] - border[i]);
+    const double from =
+        std::clamp(at[i] - wide / 2, border.front(), std::max(border.front(), border.back() - wide));
+    const double turn = std::abs(turned_up_to(from + wide) - turned_up_to(from));
+    if (turn > 1e-9) radii[i] = wide / turn;
+  }
   return radii;
 }
 

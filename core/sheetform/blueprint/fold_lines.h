@@ -27,11 +27,17 @@ std::vector<double> evened_turns(const std::vector<double>& turns);
 std::vector<std::array<Vector2, 2>> flat_rulings(const std::vector<Crease>& creases,
                                                  const std::vector<Vector2>& flat);
 
-/// Radius of bending at each ruling of a patch (distance to the neighbouring rulings over the turn, both
-/// evened alike; of a single ruling, half the width of the patch), in units of `flat`; infinite where it does
-/// not bend. creases: of the patch.
+/// Of the diagonal: the stretch over which bending is measured where no radius is asked for; of a radius that
+/// is asked for, half (as the page does).
+constexpr double kBendReach = 0.05;
+
+/// Radius of bending at each ruling of a patch, in units of `flat`: a stretch of the sheet around it over
+/// what that turns altogether; infinite where it does not turn. The stretch is `reach` long (the ruling's own
+/// share, halfway to its neighbours, where that is more; the whole patch where that is less), for single
+/// narrow triangles say nothing: they fold to and fro, a sheet bends by what that comes to. Of a single
+/// ruling: half the width of the patch over its turn. creases: of the patch.
 std::vector<double> bend_radii(const StripMesh& strips, int patch, const std::vector<Crease>& creases,
-                               const std::vector<Vector2>& flat);
+                               const std::vector<Vector2>& flat, double reach);
 
 /// Rulings that stand for `step` degrees of bending each (several steps where one ruling bends that much).
 /// To-and-fro between neighbours is evened out first; then the bending up to any ruling, and what the rulings

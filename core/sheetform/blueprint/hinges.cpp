@@ -109,17 +109,24 @@ void say(Blueprint& b, const BlueprintPart& part, double allowed) {
       (b.options.hinges ? "slots are cut there" : "take thinner material, a larger model or hinges"));
 }
 
+// mm; 0: any.
+double allowed_radius(const Blueprint& b) {
+  if (b.options.material.empty()) return 0;
+  return smallest_radius(material_named(b.options.material), b.options.thickness);
+}
+
 }  // namespace
 
 std::vector<double> bend_radii(const Blueprint& b, int part) {
   const int patch = b.parts[part].patch;
-  return bend_radii(b.strips, patch, creases_of(b.strips, patch), b.flat);
+  const double allowed = allowed_radius(b);
+  const double reach =
+      allowed > 0 ? allowed / 2 : kBendReach * b.scale * bounding_box_diagonal(b.strips.points);
+  return bend_radii(b.strips, patch, creases_of(b.strips, patch), b.flat, reach);
 }
 
 void add_hinges(Blueprint& b) {
-  const double allowed = b.options.material.empty()
-                             ? 0
-                             : smallest_radius(material_named(b.options.material), b.options.thickness);
+  const double allowed = allowed_radius(b);
   for (std::size_t p = 0; p < b.parts.size(); ++p) {
     BlueprintPart& part = b.parts[p];
     const std::vector<double> radii = bend_radii(b, static_cast<int>(p));

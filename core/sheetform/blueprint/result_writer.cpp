@@ -184,6 +184,7 @@ Json report_of(const Decomposition& d) {
           {"bend_radius_mm", finite_or_null(d.report.bending.smallest)},
           {"bend_patch", d.report.bending.patch < 0 ? Json(nullptr) : Json(d.report.bending.patch)},
           {"bend_place", triple(d.report.bending.place)},
+          {"bend_reach_mm", d.report.bending.reach},
           {"min_bend_radius_met", d.report.min_bend_radius_met},
           {"ruling_spacing_mm", {d.report.spacing.shortest, d.report.spacing.longest}},
           {"strict", d.certificate.strict()},

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "sheetform/base/error.h"
+#include "sheetform/blueprint/fold_lines.h"
 #include "sheetform/blueprint/hinges.h"
 #include "sheetform/blueprint/materials.h"
 #include "sheetform/blueprint/result_writer.h"
@@ -166,6 +167,49 @@ TEST(Bending, RadiusOfATubeIsItsRadius) {
   ASSERT_EQ(radii.size(), 47u);
   for (double r : radii) EXPECT_NEAR(r, 50, 0.1);
   EXPECT_NEAR(b.parts[0].smallest_radius, 50, 0.1);
+}
+
+// Two flat halves at a right angle over one ruling, and the same with a narrow pleat in one of them.
+StripMesh folded(double pleat) {
+  StripMesh s;
+  s.points = {{-40, 0, 0}, {0, 0, 0}, {0, 0, 40}, {0, 60, 40}, {0, 60, 0}, {-40, 60, 0}};
+  s.uvs = {{0, 0}, {40, 0}, {80, 0}, {80, 60}, {40, 60}, {0, 60}};
+  std::vector<std::array<int, 3>> faces = {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}};
+  StripMesh::Patch p;
+  p.rulings = {{1, 4}};
+  if (pleat > 0) {
+    s.points.insert(
+        s.points.end(),
+        {{-21, 0, 0}, {-20, 0, pleat}, {-19, 0, 0}, {-21, 60, 0}, {-20, 60, pleat}, {-19, 60, 0}});
+    const double w = std::hypot(1, pleat);  // flat, from the fold to the left
+    s.uvs = {{40 - 38 - 2 * w, 0}, {40, 0}, {80, 0}, {80, 60}, {40, 60}, {2 - 2 * w, 60}};
+    for (double y : {0.0, 60.0}) s.uvs.insert(s.uvs.end(), {{21 - 2 * w, y}, {21 - w, y}, {21, y}});
+    faces = {{0, 6, 9},   {0, 9, 5}, {6, 7, 10}, {6, 10, 9}, {7, 8, 11},
+             {7, 11, 10}, {8, 1, 4}, {8, 4, 11}, {1, 2, 3},  {1, 3, 4}};
+    p.rulings = {{6, 9}, {7, 10}, {8, 11}, {1, 4}};
+  }
+  for (const auto& f : faces) p.triangles.push_back({f, f});
+  s.patches.push_back(p);
+  return s;
+}
+
+std::vector<double> radii_of(const StripMesh& s, double reach) {
+  return bend_radii(s, 0, creases_of(s, 0), s.uvs, reach);
+}
+
+TEST(Bending, OfASingleRulingIsHalfTheWidthOverItsTurn) {
+  const std::vector<double> radii = radii_of(folded(0), 10);
+  ASSERT_EQ(radii.size(), 1u);
+  EXPECT_NEAR(radii[0], 40 / (shapes::kPi / 2), 1e-9);
+}
+
+TEST(Bending, APleatIsEvenedOutOverTheReach) {
+  const StripMesh pleated = folded(1);
+  const std::vector<double> fine = radii_of(pleated, 0.1), coarse = radii_of(pleated, 20);
+  ASSERT_EQ(fine.size(), 4u);
+  EXPECT_LT(fine[1], 2);  // one ruling alone turns by a right angle within its share
+  EXPECT_GT(coarse[1], 1000);
+  EXPECT_NEAR(coarse[3], 29.5 / (shapes::kPi / 2), 6);  // its share is 29.5 wide, some of it is the pleat's
 }
 
 TEST(Bending, TooTightIsSaidAndHingesAreCut) {
