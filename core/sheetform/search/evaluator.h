@@ -1,5 +1,6 @@
 // Whether a layout is viable, and how well it fits: topology, charts, rulings, the morph (paper 3.3).
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -49,7 +50,8 @@ struct SearchSurface {
   bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
   bool is_drawn(const PathNetwork& network, const Arch& arch) const {
     return network.kinds[arch.path] == PathKind::kDrawn ||
-           (!drawn_plane.empty() && drawn_plane[arch.edges.front()]);
+           (!drawn_plane.empty() &&
+            std::any_of(arch.edges.begin(), arch.edges.end(), [&](int e) { return drawn_plane[e] != 0; }));
   }
 };
 

@@ -70,9 +70,8 @@ std::vector<double> outline_samples(const SearchSurface& surface, const Arch& ar
                                     const EvaluationParams& params) {
   const auto edges = static_cast<double>(arch.edges.size());
   if (surface.is_straight(arch)) return {0, edges};
-  if (params.bounds.least > 0)
+  if (params.bounds.least > 0 || params.sparsest >= 1)
     return sample_arch(surface.mesh, arch, params.bounds.divide(arch.length, params.spacing));
-  if (params.sparsest >= 1) return sample_arch(surface.mesh, arch, params.spacing);
   const Measure measure(surface, arch, params);
   const int least = arch.closed() ? 6 : 2;
   const int segments = std::max(least, static_cast<int>(std::lround(measure.whole())));
