@@ -60,8 +60,7 @@ class Laps {
 struct Attempt {
   FinishedLayout finished;
   EvaluationParams evaluation;
-  SpacingBounds bounds;  // that it was made with, and how far it misses those asked for
-  SpacingMiss uneven;
+  SpacingMiss uneven;  // against the bounds asked for
   StripMesh strips;
   std::vector<int> invalid;   // patches that break a strict promise
   std::vector<int> too_far;   // valid patches beyond the tolerance
@@ -142,13 +141,12 @@ class ComponentRun {
 
   // The search keeps to the lower bound; finer than the result usually is it need not be.
   void set_up_spacing() {
-    surface_.spacing = params_.spacing;
     if (!params_.spacing.any()) return;
     double &fine = params_.fine_spacing, &search = params_.evaluation.spacing;
     const double usual = fine;
     fine = std::max(std::min(fine, params_.spacing.most), params_.spacing.least);
     search = std::max(std::min(search, std::max(usual, params_.spacing.most)), params_.spacing.least);
-    surface_.spacing.most = std::max(usual, params_.spacing.most);
+    params_.evaluation.bounds = {params_.spacing.least, std::max(usual, params_.spacing.most)};
   }
 
   // The strips of a finer tolerance where those of a coarser one are no fewer.
@@ -262,36 +260,27 @@ class ComponentRun {
   Attempt build_best(LayoutSearch& search, bool bounded) {
     const SpacingBounds bounds = bounded ? params_.spacing : SpacingBounds{0, params_.spacing.most};
     const double fine = bounded ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
-    Attempt best = build(search, fine, bounds.any() ? 1 : kSparsest, bounds);
-    for (double spacing = bounds.any() ? 1.4 * fine : fine;
-         spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
+    Attempt best = build(search, fine, kSparsest, bounds);
+    for (double spacing = fine; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
       Attempt other = build(search, spacing, 1, bounds);
       if (rank(other) < rank(best)) best = std::move(other);
     }
-    for (int k = 0; k < kEvener && best.invalid.empty() && best.uneven.any(); ++k) {
-      Attempt other = build(search, best.evaluation.spacing, 1, tightened(best.bounds, best.uneven));
+    for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
+      Attempt other = build(search, best.evaluation.spacing, best.evaluation.sparsest,
+                            tightened(best.evaluation.bounds, best.uneven));
       if (!other.invalid.empty() || other.too_far.size() > best.too_far.size()) break;
-      other.uneven = spacing_miss(other.strips, bounds);
       if (other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
   }
 
   Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds) {
-    const SpacingBounds of_search = std::exchange(surface_.spacing, bounds);
-    Attempt attempt = build_bounded(search, spacing, sparsest);
-    surface_.spacing = of_search;
-    attempt.bounds = bounds;
-    attempt.uneven = spacing_miss(attempt.strips, bounds);
-    return attempt;
-  }
-
-  Attempt build_bounded(LayoutSearch& search, double spacing, double sparsest) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
     fine.normal_deviation *= params_.margin;
     fine.spacing = spacing;
     fine.sparsest = sparsest;
+    fine.bounds = bounds;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
@@ -299,6 +288,7 @@ class ComponentRun {
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
       attempt.evaluation = fine;
+      attempt.uneven = spacing_miss(attempt.strips, params_.spacing);
       if (attempt.good()) return attempt;
       const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;

@@ -1,5 +1,6 @@
 // Whether a layout is viable, and how well it fits: topology, charts, rulings, the morph (paper 3.3).
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -40,7 +41,6 @@ struct SearchSurface {
   std::vector<char> drawn_plane;     ///< by edge: on the plane, and drawn as a seam by the user; may be empty
   const KeepOut* regions = nullptr;  ///< where the user wants no seam; null = there are none
   std::vector<char> keep_out;        ///< by edge: in `regions` or next to them; empty = there are none
-  SpacingBounds spacing;             ///< of the points on outlines
 
   std::vector<char> straight;  ///< by edge: its arch on the plane is one segment, a ruling of the patch
                                ///< beside it joined to its image; empty = none is
@@ -50,7 +50,8 @@ struct SearchSurface {
   bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
   bool is_drawn(const PathNetwork& network, const Arch& arch) const {
     return network.kinds[arch.path] == PathKind::kDrawn ||
-           (!drawn_plane.empty() && drawn_plane[arch.edges.front()]);
+           (!drawn_plane.empty() &&
+            std::any_of(arch.edges.begin(), arch.edges.end(), [&](int e) { return drawn_plane[e] != 0; }));
   }
 };
 
@@ -60,6 +61,7 @@ struct EvaluationParams {
   bool self_seams = true;
   bool t_junctions = true;
   double spacing = 0.03;        ///< of arch samples
+  SpacingBounds bounds;         ///< of the same, asked for by the user
   double sparsest = 1;          ///< share of their density where no rulings end (see outline_samples.h)
   double corner_reach = 0.03;   ///< length over which directions at nodes are taken
   double corner_turn = 55;      ///< degrees: a node where a patch turns by more is a corner: those of a

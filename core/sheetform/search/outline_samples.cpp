@@ -70,8 +70,8 @@ std::vector<double> outline_samples(const SearchSurface& surface, const Arch& ar
                                     const EvaluationParams& params) {
   const auto edges = static_cast<double>(arch.edges.size());
   if (surface.is_straight(arch)) return {0, edges};
-  if (params.sparsest >= 1 || surface.spacing.any())
-    return sample_arch(surface.mesh, arch, surface.spacing.divide(arch.length, params.spacing));
+  if (params.bounds.least > 0 || params.sparsest >= 1)
+    return sample_arch(surface.mesh, arch, params.bounds.divide(arch.length, params.spacing));
   const Measure measure(surface, arch, params);
   const int least = arch.closed() ? 6 : 2;
   const int segments = std::max(least, static_cast<int>(std::lround(measure.whole())));
@@ -82,7 +82,9 @@ std::vector<double> outline_samples(const SearchSurface& surface, const Arch& ar
   while (!ends.empty()) {
     const double from = at.back(), to = ends.back();
     const double length = (arch_point(surface.mesh, arch, to) - arch_point(surface.mesh, arch, from)).norm();
-    if (length > 1.5 * params.spacing && deviation(surface.mesh, arch, from, to) > kSlack * params.e_max) {
+    const bool leaves =
+        length > 1.5 * params.spacing && deviation(surface.mesh, arch, from, to) > kSlack * params.e_max;
+    if (leaves || length > params.bounds.most) {
       ends.push_back(measure.at((measure.of(from) + measure.of(to)) / 2));
     } else {
       at.push_back(to);
