@@ -145,7 +145,8 @@ api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, cons
   const InputBundle input = split_bundle(bytes);
   const MeshFile file = read_nonempty_mesh(input.mesh, name);
   (void)field_of(input, file.soup);
-  if (const auto guides = guides_of(input)) check_guides(*guides, file.soup);
+  const std::optional<UserGuides> guides = guides_of(input);
+  if (guides) check_guides(*guides, file.soup);
   Vector3 low = file.soup.points.front(), high = low;
   for (const Vector3& p : file.soup.points) {
     low = low.cwiseMin(p);

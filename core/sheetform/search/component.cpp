@@ -382,10 +382,8 @@ class ComponentRun {
     std::ptrdiff_t kept = 0;
     while (kept < n) {
       FinishedLayout moved = reduced.finished;
-      const SpacingBounds of_search = std::exchange(surface_.spacing, reduced.bounds);
       moved.source.points =
           full_morph_places(surface_, layout, moved.evaluation, reduced.evaluation, keep, context_);
-      surface_.spacing = of_search;
       Attempt full = measured(moved, kSamples);
       const std::vector<char> spoilt = spoilt_patches(full, reduced);
       if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {

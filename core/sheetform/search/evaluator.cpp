@@ -56,9 +56,13 @@ void find_corners(const PatchLayout& layout, const Patch& patch, double reach, d
   }
 }
 
-double stiffness(const EvaluationParams& params) {
+MorphParams outline_morph(const EvaluationParams& params) {
   const double h2 = params.spacing * params.spacing;
-  return kStiffness * params.e_max * params.e_max / (h2 * h2);
+  MorphParams morph = params.morph;
+  morph.smooth = kStiffness * params.e_max * params.e_max / (h2 * h2);
+  morph.spacing = params.spacing;
+  morph.stop_below = 0.7 * params.e_max;
+  return morph;
 }
 
 // Which strip triangle covers each cell of the chart's raster.
@@ -457,11 +461,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   problem.samples = e->samples;
   for (MorphSample& s : problem.samples)
     for (int& u : s.unknown) u = unknown[u];
-  MorphParams morph_params = params_.morph;
-  morph_params.smooth = stiffness(params_);
-  morph_params.spacing = params_.spacing;
-  morph_params.stop_below = 0.7 * params_.e_max;
-  const MorphResult result = morph(problem, morph_params);
+  const MorphResult result = morph(problem, outline_morph(params_));
   std::vector<Vector3> position(n);
   for (int i = 0; i < n; ++i) position[i] = result.position[unknown[i]];
   const MorphSample* worst = nullptr;
@@ -533,11 +533,8 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   }
   problem.samples.insert(problem.samples.end(), also.begin(), also.end());
   out.arch_unknowns = unknowns.take();
-  MorphParams morph_params = params_.morph;
-  morph_params.smooth = stiffness(params_);
-  morph_params.spacing = params_.spacing;
+  MorphParams morph_params = outline_morph(params_);
   morph_params.rounds = rounds;
-  morph_params.stop_below = 0.7 * params_.e_max;
   out.position = morph(problem, morph_params).position;
   out.on_plane = std::move(problem.on_plane);
   parallel_for(context_, static_cast<int>(region.size()), [&](int i) {
