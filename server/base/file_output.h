@@ -33,8 +33,8 @@ std::string read_input_file(const std::filesystem::path& path, std::uint64_t lim
 /// them. When anything fails before the renames the folder keeps what it had. Throws FileError.
 void write_files(const std::filesystem::path& folder, const std::vector<OutputFile>& files);
 
-/// Makes the folder and those above it that are missing; each is there after a power cut too (also a folder that
-/// was there, when the one above it may be read). Throws FileError, SyncError.
+/// Makes the folder and those above it that are missing; each is there after a power cut too (also a folder
+/// that was there, when the one above it may be read). Throws FileError, SyncError.
 void make_folder_synced(const std::filesystem::path& folder);
 
 /// What has been made, renamed or removed in the folder is so after a power cut too. Throws SyncError.
