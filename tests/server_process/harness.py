@@ -212,12 +212,13 @@ class WorkerRun:
     def __init__(self, mode, mesh, name="mesh", folder="/dev/null", timeout=60, **request):
         asked = {"mode": mode, "name": name, "parameters": default_parameters(), "threads": 1, "memory": 1 << 32, "fileBytes": 1 << 28,
                  "cpuSeconds": timeout, "sandbox": True, **request}
-        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as question, tempfile.TemporaryFile() as told:
+        reader, writer = os.pipe()
+        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as question, os.fdopen(reader, "rb") as told:
             given.write(mesh), question.write(json.dumps(asked).encode())
             for file in (given, question):
                 file.flush(), file.seek(0)
             place = os.open(folder, os.O_RDONLY)
-            numbers = [given.fileno(), place, told.fileno(), question.fileno()]  # become 3, 4, 5 and 6
+            numbers = [given.fileno(), place, writer, question.fileno()]  # become 3, 4, 5 and 6
 
             def put_in_place():
                 copies = [fcntl.fcntl(n, fcntl.F_DUPFD, 20) for n in numbers]
@@ -226,13 +227,13 @@ class WorkerRun:
             begun = time.monotonic()
             process = subprocess.Popen([PROGRAM, "worker"], preexec_fn=put_in_place, close_fds=False,
                                        stderr=subprocess.DEVNULL, env={"MALLOC_ARENA_MAX": "2"})
+            os.close(writer)
+            self.told = [json.loads(line) for line in told if line.endswith(b"\n")]  # until its end
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             self.seconds, self.memory = time.monotonic() - begun, usage.ru_maxrss * 1024
             self.status = process.returncode
             os.close(place)
-            told.seek(0)
-            self.told = [json.loads(line) for line in told.read().splitlines()]
 
     def problem(self):
         """The problem it told, or None."""
