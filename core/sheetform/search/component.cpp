@@ -265,11 +265,12 @@ class ComponentRun {
       Attempt other = build(search, spacing, 1, bounds);
       if (rank(other) < rank(best)) best = std::move(other);
     }
+    SpacingBounds narrow = bounds;
     for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
-      Attempt other = build(search, best.evaluation.spacing, best.evaluation.sparsest,
-                            tightened(best.evaluation.bounds, best.uneven));
-      if (!other.invalid.empty() || other.too_far.size() > best.too_far.size()) break;
-      if (other.uneven.worst() < best.uneven.worst()) best = std::move(other);
+      narrow = tightened(narrow, best.uneven);
+      Attempt other = build(search, best.evaluation.spacing, best.evaluation.sparsest, narrow);
+      const bool as_good = other.invalid.empty() && other.too_far.size() <= best.too_far.size();
+      if (as_good && other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
   }

@@ -268,5 +268,26 @@ INSTANTIATE_TEST_SUITE_P(Drawings, EveryPatch,
                          ::testing::Values("A", "AAB/AAC", "AAA/ABA/AAA", "AAA/ABA/AAB", "AA|AA/AAAA",
                                            ".A./AAA/.A.", "AAA/A.A/AAA"));
 
+TEST(SplitPatch, GoesAroundWhereNoCutIsWanted) {
+  // The cut of a long sheet runs across its middle; there no cut is wanted over half of the width.
+  const Splitter sheet =
+      bare(shapes::grid({40, 20}, [](double u, double v) { return Vector3(2 * u, v, 0); }));
+  std::vector<char> keep_out(sheet.mesh.edges.size(), 0);
+  const auto inside = [&](int v) {
+    return std::abs(sheet.mesh.points[v].x() - 1) < 0.12 && std::abs(sheet.mesh.points[v].y() - 0.5) < 0.25;
+  };
+  for (int e = 0; e < sheet.mesh.edge_count(); ++e)
+    keep_out[e] = inside(sheet.mesh.edges[e].v0) || inside(sheet.mesh.edges[e].v1);
+  const PatchLayout layout = sheet.layout();
+  const auto hits = [&](const std::vector<int>& edges) {
+    return std::count_if(edges.begin(), edges.end(), [&](int e) { return keep_out[e] != 0; });
+  };
+  const std::vector<int> straight = split_patch(sheet.mesh, layout, 0, {});
+  EXPECT_GT(hits(straight), 5);
+  const std::vector<int> around = split_patch(sheet.mesh, layout, 0, {}, &keep_out);
+  EXPECT_FALSE(around.empty());
+  EXPECT_EQ(hits(around), 0);
+}
+
 }  // namespace
 }  // namespace sheetform

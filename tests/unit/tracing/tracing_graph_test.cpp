@@ -43,6 +43,31 @@ TEST(TracingGraph, ChainsAreMeshEdgesOfTheStatedLength) {
     }
 }
 
+TEST(TracingGraph, WithoutSomeEdgesNoArcRunsOverThemAndAllOthersStay) {
+  const TracedShape s(shapes::torus(40, 20));
+  std::vector<char> edges(s.mesh.edges.size(), 0);
+  for (int e = 0; e < s.mesh.edge_count(); ++e) edges[e] = s.mesh.points[s.mesh.edges[e].v0].x() > 1;
+  const TracingGraph less = without_edges(s.mesh, s.graph, edges);
+  ASSERT_EQ(less.node_count(), s.graph.node_count());
+  int kept = 0;
+  for (int node = 0; node < s.graph.node_count(); ++node)
+    for (int a = s.graph.arc_begin[node]; a < s.graph.arc_begin[node + 1]; ++a) {
+      const auto& arc = s.graph.arcs[a];
+      bool over = false;
+      int at = TracingGraph::vertex(node);
+      for (int i = arc.chain_begin; i <= arc.chain_end; ++i) {
+        const int next = i < arc.chain_end ? s.graph.chain[i] : TracingGraph::vertex(arc.to);
+        over |= edges[s.mesh.find_edge(at, next)] != 0;
+        at = next;
+      }
+      ASSERT_EQ(find_arc(less, node, arc.to) == nullptr, over);
+      kept += !over;
+    }
+  EXPECT_EQ(kept, static_cast<int>(less.arcs.size()));
+  EXPECT_LT(less.arcs.size(), s.graph.arcs.size());
+  EXPECT_EQ(without_edges(s.mesh, s.graph, {}).arcs.size(), s.graph.arcs.size());
+}
+
 TEST(TracingGraph, EveryArcHasItsReverse) {
   const TracedShape s(shapes::closed_cylinder(36, 12), 40);
   int count = 0;
