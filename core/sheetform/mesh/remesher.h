@@ -14,7 +14,8 @@ namespace sheetform {
 class Remesher {
  public:
   Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context);
-  void run();
+  /// Vertices come to lie on `surface`; tree: of its faces.
+  void run(const SurfaceMesh& surface, const ClosestPointTree& tree);
   /// Instead of run(): only removes edges and heights shorter than 0.8 of the length; all else stays as it
   /// is.
   void clean();
@@ -29,6 +30,7 @@ class Remesher {
   enum Kind : char { kFree, kOnLine, kCorner };
 
   void load(const SurfaceMesh& input);
+  void thin_out();
   void split_long();
   void collapse_short(bool first);
   void flip_edges();
@@ -37,7 +39,7 @@ class Remesher {
   bool is_chord(Edge e) const;
   double longest_allowed(Edge e) const;
   void split(Edge e);
-  Half best_collapse(Edge e, bool first);
+  Half best_collapse(Edge e, double longest, bool first);
   bool may_collapse(Half h);
   bool keeps_lines(Half h) const;
   bool keeps_shape(Half h) const;
@@ -62,10 +64,10 @@ class Remesher {
 
   HalfedgeMesh mesh_;
   std::vector<Vector3> points_;
-  const SurfaceMesh& input_;
   const FeatureLines& lines_;
-  const ClosestPointTree surface_;
-  const double length_;
+  const SurfaceMesh* surface_ = nullptr;  // that vertices are put on
+  const ClosestPointTree* tree_ = nullptr;
+  const double length_, present_;  // edge lengths: wanted, and of the input on average
   const RunContext& context_;
   std::vector<int> edge_line_;
   std::vector<Kind> kinds_;

@@ -360,12 +360,12 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
   {
     const std::lock_guard lock(mutex_);
     const auto it = cache_.find(patch.key);
-    if (it != cache_.end()) return ++hits_, it->second;
+    if (it != cache_.end()) return ++counts_.cache_hits, it->second;
   }
   context_.checkpoint();
   auto result = compute(layout, patch, params_.ruling, nullptr);
   const std::lock_guard lock(mutex_);
-  ++evaluations_;
+  ++counts_.evaluations;
   if (cache_.size() >= kCacheLimit) {  // what nobody holds can be computed again
     for (auto it = cache_.begin(); it != cache_.end();)
       it = it->second.use_count() == 1 ? cache_.erase(it) : std::next(it);

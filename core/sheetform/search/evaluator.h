@@ -16,6 +16,7 @@
 #include "sheetform/mesh/symmetry.h"
 #include "sheetform/morph/morph.h"
 #include "sheetform/ruling/rulings.h"
+#include "sheetform/search/evaluation_counts.h"
 #include "sheetform/search/spacing.h"
 
 namespace sheetform {
@@ -152,8 +153,8 @@ class LayoutEvaluator {
   /// Patches that are not listed are not evaluated. Cost grows with the listed patches only.
   LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region,
                                 const ArchPlaces& places, int rounds);
-  int evaluations() const { return evaluations_; }
-  int hits() const { return hits_; }
+  /// So far. Not for while others evaluate. May depend on the number of threads once the cache is full.
+  const EvaluationCounts& counts() const { return counts_; }
 
  private:
   LayoutEvaluation morph_patches(const PatchLayout& layout,
@@ -171,7 +172,7 @@ class LayoutEvaluator {
   mutable std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
   std::unordered_set<std::uint64_t> rejected_;
-  int evaluations_ = 0, hits_ = 0;
+  EvaluationCounts counts_;
 };
 
 /// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it
