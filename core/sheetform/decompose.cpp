@@ -64,6 +64,7 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
     }
     faces.push_back(t);
   }
+  context.checkpoint();
   return build_surface_mesh(std::move(points), std::move(faces));
 }
 
@@ -100,7 +101,7 @@ bool loses_detail(const InputSurface& input, const SurfaceMesh& working, double 
   const ClosestPointTree tree(working.points, working.faces, context);
   const std::vector<FarVertex> may_be_far = far_vertices(input.mesh.faces, input.tree, tree, limit, context);
   return std::any_of(may_be_far.begin(), may_be_far.end(), [&](const FarVertex& v) {
-    return tree.closest(input.mesh.points[v.vertex], limit * limit).face < 0;
+    return tree.closest(input.mesh.points[v.vertex], limit * limit, limit * limit).face < 0;
   });
 }
 
@@ -117,11 +118,14 @@ PreparedMesh prepared_component(const InputSurface& input, const DecomposeParams
   const SurfaceMesh mesh =
       uniform_enough(input.mesh) ? input.mesh : without_slivers(input.mesh, kSliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
+  context.checkpoint();
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle, context);
+  context.checkpoint();
   double wanted = working_edge_length(mesh, e_max, effort);
   const double present = mean_edge_length(mesh);
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
+  context.checkpoint();
   PreparedMesh prepared = prepare(mesh, crease, wanted, input.mesh, input.tree, context);
   const int attempts = effort == Effort::kDraft ? 0 : 2;
   for (int attempt = 0;
@@ -384,6 +388,7 @@ class Sweep {
     norm_ = normalisation(repaired_.mesh.points);
     common_.params = resolved(params_, norm_);
     common_.bbox_diagonal = norm_.diagonal;
+    context_.checkpoint();
     mesh_ = repaired_.mesh;
     for (Vector3& p : mesh_.points) p = norm_.in(p);
     half_ = half_to_solve(mesh_, norm_, common_, context_);

@@ -12,8 +12,6 @@ namespace sheetform {
 namespace {
 
 constexpr int kRounds = 5, kMostCleanings = 20;
-constexpr double kThinned = 0.45;  // of the wanted length: so far a finer input is thinned before
-constexpr double kThinning = 1.6;  // lengths of the steps of that, at most so much greater than the last
 constexpr double kLong = 4.0 / 3, kShort = 4.0 / 5;  // of the wanted length (Botsch and Kobbelt 2004)
 constexpr double kChord =
     0.6;  // of the wanted length: a longer edge between two lines is to have a vertex between
@@ -48,7 +46,7 @@ struct Entry {
 
 Remesher::Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length,
                    const RunContext& context)
-    : lines_(lines), length_(length), present_(mean_edge_length(input)), context_(context) {
+    : lines_(lines), length_(length), context_(context) {
   load(input);
 }
 
@@ -167,9 +165,13 @@ void Remesher::split(Edge e) {
 // first: the input may have long thin triangles all around, whose edges must not keep short ones from going.
 void Remesher::collapse_short(bool first) {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> queued(mesh_.n_edges(), -1);  // the length with which an edge waits
   auto push = [&](Edge e) {
     const double length = length_of(e);
-    if (length < kShort * length_) queue.push({length, e.idx()});
+    double& waits = queued[static_cast<std::size_t>(e.idx())];
+    if (length >= kShort * length_ || waits == length) return;
+    waits = length;
+    queue.push({length, e.idx()});
   };
   for (int e = 0; e < static_cast<int>(mesh_.n_edges()); ++e)
     if (!mesh_.status(Edge(e)).deleted()) push(Edge(e));
@@ -177,9 +179,11 @@ void Remesher::collapse_short(bool first) {
     const Edge e(queue.top().edge);
     const double length = queue.top().length;
     queue.pop();
-    if (mesh_.status(e).deleted() || length_of(e) != length) continue;
     pause();
-    const Half h = best_collapse(e, kLong * length_, first);
+    double& waits = queued[static_cast<std::size_t>(e.idx())];
+    if (waits == length) waits = -1;
+    if (mesh_.status(e).deleted() || length_of(e) != length) continue;
+    const Half h = best_collapse(e, first);
     if (!h.is_valid()) continue;
     const Vertex stays = mesh_.to_vertex_handle(h);
     collapse(h);
@@ -187,25 +191,8 @@ void Remesher::collapse_short(bool first) {
   }
 }
 
-// A much finer input loses most of its edges in a few sweeps in the order of the mesh, each to a greater
-// length than the last: far quicker than the shortest first, and even enough for what follows.
-void Remesher::thin_out() {
-  const double steps = std::ceil(std::log(kThinned * length_ / present_) / std::log(kThinning));
-  for (int step = 1; step <= static_cast<int>(steps); ++step) {
-    const double length = present_ * std::pow(kThinned * length_ / present_, step / steps);
-    for (int i = 0; i < static_cast<int>(mesh_.n_edges()); ++i) {
-      const Edge e(i);
-      if (mesh_.status(e).deleted() || length_of(e) >= kShort * length) continue;
-      pause();
-      const Half h = best_collapse(e, kLong * length, true);
-      if (h.is_valid()) collapse(h);
-    }
-  }
-}
-
-// The direction in which the edge may be collapsed; of two the one that leaves shorter edges. No new edge may
-// be longer than `longest`.
-OpenMesh::HalfedgeHandle Remesher::best_collapse(Edge e, double longest, bool first) {
+// The direction in which the edge may be collapsed; of two the one that leaves shorter edges.
+OpenMesh::HalfedgeHandle Remesher::best_collapse(Edge e, bool first) {
   struct Way {
     Half h;
     double longest = 0, limit = 0;
@@ -221,7 +208,7 @@ OpenMesh::HalfedgeHandle Remesher::best_collapse(Edge e, double longest, bool fi
       way.longest = std::max(way.longest, (point(v) - stays).norm());
       now = std::max(now, (point(v) - gone).norm());
     }
-    way.limit = first ? std::max(longest, 1.2 * now) : longest;
+    way.limit = first ? std::max(kLong * length_, 1.2 * now) : kLong * length_;
   }
   if (ways[1].longest < ways[0].longest) std::swap(ways[0], ways[1]);
   for (const Way& way : ways)
@@ -414,7 +401,6 @@ bool Remesher::move(Vertex v, const Vector3& to) {
 
 void Remesher::run(const SurfaceMesh& surface, const ClosestPointTree& tree) {
   surface_ = &surface, tree_ = &tree;
-  thin_out();
   for (int round = 0; round < kRounds; ++round) {
     if (round == 0) {
       collapse_short(true);

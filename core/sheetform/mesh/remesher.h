@@ -30,7 +30,6 @@ class Remesher {
   enum Kind : char { kFree, kOnLine, kCorner };
 
   void load(const SurfaceMesh& input);
-  void thin_out();
   void split_long();
   void collapse_short(bool first);
   void flip_edges();
@@ -39,7 +38,7 @@ class Remesher {
   bool is_chord(Edge e) const;
   double longest_allowed(Edge e) const;
   void split(Edge e);
-  Half best_collapse(Edge e, double longest, bool first);
+  Half best_collapse(Edge e, bool first);
   bool may_collapse(Half h);
   bool keeps_lines(Half h) const;
   bool keeps_shape(Half h) const;
@@ -67,7 +66,7 @@ class Remesher {
   const FeatureLines& lines_;
   const SurfaceMesh* surface_ = nullptr;  // that vertices are put on
   const ClosestPointTree* tree_ = nullptr;
-  const double length_, present_;  // edge lengths: wanted, and of the input on average
+  const double length_;
   const RunContext& context_;
   std::vector<int> edge_line_;
   std::vector<Kind> kinds_;
