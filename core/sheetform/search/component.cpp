@@ -135,6 +135,7 @@ class ComponentRun {
     surface_.input = &tree_;
     surface_.details = find_details();
     surface_.elimination_rank = elimination_rank(surface_.mesh);
+    surface_.crease = input_.prepared.crease_edge;
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
     surface_.drawn_plane = input_.drawn_plane;
     if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;

@@ -193,7 +193,11 @@ bool outline_on_plane(const SearchSurface& surface, const PatchLayout& layout, c
   return surface.on_plane(arch);
 }
 
+// A crease gives way to the tolerance only where nothing else helps: an arch beside it is no crease.
+constexpr double kOnCrease = 10;
+
 double anchor_weight(const SearchSurface& surface, const Arch& arch) {
+  if (surface.on_crease(arch)) return kOnCrease;
   const bool border = arch.right == Arch::kOutside || arch.left == Arch::kOutside;
   return border && !surface.on_plane(arch) ? 0.3 : 0.02;
 }

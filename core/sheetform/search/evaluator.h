@@ -39,6 +39,7 @@ struct SearchSurface {
   const CurvatureField* curvature = nullptr;  ///< of `mesh`; may be null but for the full morph
   std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
   PlaneBorder plane;                          ///< of a half; empty without symmetry
+  std::vector<char> crease;                   ///< by edge; empty = none is
   std::vector<char> drawn_plane;     ///< by edge: on the plane, and drawn as a seam by the user; may be empty
   const KeepOut* regions = nullptr;  ///< where the user wants no seam; null = there are none
   std::vector<char> keep_out;        ///< by edge: in `regions` or next to them; empty = there are none
@@ -47,6 +48,7 @@ struct SearchSurface {
                                ///< beside it joined to its image; empty = none is
 
   bool is_straight(const Arch& arch) const { return !straight.empty() && straight[arch.edges.front()]; }
+  bool on_crease(const Arch& arch) const { return !crease.empty() && crease[arch.edges.front()]; }
   bool on_plane(const Arch& arch) const { return !plane.edge.empty() && plane.edge[arch.edges.front()]; }
   bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
   bool is_drawn(const PathNetwork& network, const Arch& arch) const {
