@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <tuple>
 
 #include "sheetform/guided.h"
 #include "sheetform/mesh/creases.h"
 #include "sheetform/mesh/embed_strokes.h"
+#include "sheetform/mesh/far_vertices.h"
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
@@ -62,6 +64,7 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
     }
     faces.push_back(t);
   }
+  context.checkpoint();
   return build_surface_mesh(std::move(points), std::move(faces));
 }
 
@@ -86,15 +89,20 @@ double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort)
   return std::clamp(std::min(smooth, curved), edge_length_for(mesh, most), edge_length_for(mesh, least));
 }
 
-// Largest distance from the input's vertices to the working mesh.
-double lost_detail(const SurfaceMesh& input, const SurfaceMesh& working, const RunContext& context) {
+// A component of the input, as it was given.
+struct InputSurface {
+  const SurfaceMesh& mesh;
+  const ClosestPointTree& tree;
+};
+
+// Whether a vertex of the input is farther than `limit` from the working mesh.
+bool loses_detail(const InputSurface& input, const SurfaceMesh& working, double limit,
+                  const RunContext& context) {
   const ClosestPointTree tree(working.points, working.faces, context);
-  double worst = 0;
-  for (std::size_t i = 0; i < input.points.size(); ++i) {
-    if (i % 4096 == 0) context.checkpoint();
-    worst = std::max(worst, tree.closest(input.points[i]).squared_distance);
-  }
-  return std::sqrt(worst);
+  const std::vector<FarVertex> may_be_far = far_vertices(input.mesh.faces, input.tree, tree, limit, context);
+  return std::any_of(may_be_far.begin(), may_be_far.end(), [&](const FarVertex& v) {
+    return tree.closest(input.mesh.points[v.vertex], limit * limit, limit * limit).face < 0;
+  });
 }
 
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
@@ -105,23 +113,27 @@ constexpr double kDrawnSlack = 0.005;
 // Height below which triangles say nothing about creases.
 constexpr double kSliver = 5e-4;
 
-PreparedMesh prepared_component(const SurfaceMesh& input, const DecomposeParams& params, Effort effort,
+PreparedMesh prepared_component(const InputSurface& input, const DecomposeParams& params, Effort effort,
                                 double e_max, const RunContext& context) {
-  const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, kSliver, context);
+  const SurfaceMesh mesh =
+      uniform_enough(input.mesh) ? input.mesh : without_slivers(input.mesh, kSliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
+  context.checkpoint();
   if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle, context);
+  context.checkpoint();
   double wanted = working_edge_length(mesh, e_max, effort);
   const double present = mean_edge_length(mesh);
   if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
-  PreparedMesh prepared = prepare(mesh, crease, wanted, context);
+  context.checkpoint();
+  PreparedMesh prepared = prepare(mesh, crease, wanted, input.mesh, input.tree, context);
   const int attempts = effort == Effort::kDraft ? 0 : 2;
   for (int attempt = 0;
-       attempt < attempts && wanted > finest && lost_detail(mesh, prepared.mesh, context) > 0.3 * e_max;
+       attempt < attempts && wanted > finest && loses_detail(input, prepared.mesh, 0.3 * e_max, context);
        ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
     if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
-    prepared = prepare(mesh, crease, wanted, context);
+    prepared = prepare(mesh, crease, wanted, input.mesh, input.tree, context);
   }
   return prepared;
 }
@@ -376,6 +388,7 @@ class Sweep {
     norm_ = normalisation(repaired_.mesh.points);
     common_.params = resolved(params_, norm_);
     common_.bbox_diagonal = norm_.diagonal;
+    context_.checkpoint();
     mesh_ = repaired_.mesh;
     for (Vector3& p : mesh_.points) p = norm_.in(p);
     half_ = half_to_solve(mesh_, norm_, common_, context_);
@@ -416,12 +429,15 @@ class Sweep {
   // What is left of the tolerance; the two distances hardly ever add up in one place.
   double reach(double e_max) const { return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) : e_max; }
 
-  ComponentInput component_input(const SurfaceMesh& mesh, const ComponentGuides& guides,
-                                 const Variant& variant, const RunContext& context) {
+  ComponentInput component_input(const SurfaceMesh& mesh, std::shared_ptr<const ClosestPointTree> tree,
+                                 const ComponentGuides& guides, const Variant& variant,
+                                 const RunContext& context) {
     ComponentInput input;
-    input.prepared = prepared_component(mesh, common_.params, variant.mesh, common_.params.e_max, context);
+    input.prepared =
+        prepared_component({mesh, *tree}, common_.params, variant.mesh, common_.params.e_max, context);
     take_guides(guides, input, context);
     input.reference = {mesh.points, mesh.faces};
+    input.tree = std::move(tree);
     input.half = half_.has_value();
     if (field_ == nullptr) return input;
     input.guide = carry_guide(*field_, user_soup_, user_tree_, input.prepared.mesh);
@@ -455,10 +471,12 @@ class Sweep {
     double done = 0;
     for (int c = 0; c < count; ++c) {
       const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
+      const auto tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
       std::vector<ComponentResult> best;
       const auto run = [&](const Variant& variant, RunContext part) {
         const auto start = Clock::now();
-        const ComponentInput input = component_input(mesh, guides[c], variant, part);
+        part.report(Stage::kPrepare, 0);
+        const ComponentInput input = component_input(mesh, tree, guides[c], variant, part);
         results[0].report.timings["prepare"] += seconds_since(start);
         take(sweep_component(input, component_params(common_.params, reaches[0], spacing, variant), reaches,
                              part),
@@ -488,6 +506,7 @@ class Sweep {
                    std::vector<ComponentResult>& best) {
     for (std::size_t k = 0; k < fresh.size(); ++k) {
       for (const auto& [name, s] : fresh[k].seconds) results[k].report.timings[name] += s;
+      results[k].report.counts += fresh[k].counts;
       if (k >= best.size()) {
         best.push_back(std::move(fresh[k]));
       } else if (rank(fresh[k]) < rank(best[k])) {
@@ -504,6 +523,7 @@ class Sweep {
     for (Vector3& p : d.strips.points) p = norm_.out(half_ ? half_->frame.out(p) : p);
     for (Vector2& u : d.strips.uvs) u *= norm_.diagonal;
     const auto start = Clock::now();
+    context_.report(Stage::kFinal, 1, kCertifying);
     d.certificate = certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides, 20000, context_);
     d.report.timings["certify"] += seconds_since(start);
     if (half_ && !d.certificate.strict()) {

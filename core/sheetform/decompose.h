@@ -12,6 +12,7 @@
 #include "sheetform/mesh/mesh_audit.h"
 #include "sheetform/mesh/surface_mesh.h"
 #include "sheetform/morph/morph.h"
+#include "sheetform/search/evaluation_counts.h"
 #include "sheetform/strip/certificate.h"
 #include "sheetform/strip/strip_mesh.h"
 #include "sheetform/symmetric.h"
@@ -54,6 +55,9 @@ struct InputMesh {
   std::string name;    ///< display name, may be empty
 };
 
+/// The progress message with which the certificate begins.
+constexpr const char* kCertifying = "every promise is measured again";
+
 /// What was measured of the run; lengths are fractions of the input's bounding-box diagonal.
 struct Report {
   int patches = 0;
@@ -69,6 +73,7 @@ struct Report {
   bool min_bend_radius_met = true;  ///< also true where none was asked for
   SpacingReport spacing;
   std::map<std::string, double> timings;  ///< seconds by stage name
+  EvaluationCounts counts;                ///< of the search, all components and tries together
   std::vector<std::string> notes;         ///< for people: repairs, unmet tolerance and where, fallbacks used
 };
 

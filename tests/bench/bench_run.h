@@ -32,7 +32,8 @@ std::vector<InputMesh> own_shapes();
 std::vector<InputMesh> own_scaling();
 
 /// Seconds of this thread for one sparse LDL' of the mesh's cotangent Laplacian with three right-hand sides,
-/// best of seven: a measure of the machine, at the size of the mesh. Zero faces or less than three points: 0.
+/// best of seven, or of as many as two seconds hold: a measure of the machine, at the size of the mesh. Zero
+/// faces or less than three points: 0.
 double yardstick(const TriangleSoup& soup);
 
 /// Processor seconds of the process.

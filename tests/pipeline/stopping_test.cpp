@@ -1,8 +1,10 @@
 // A run stops wherever it is. How often it looks is counted in checkpoints: no clock tells that on a busy
 // machine. The linker leads every call of RunContext::checkpoint() from another file through the counter here
 // (CMakeLists.txt).
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <set>
 
@@ -15,6 +17,25 @@ namespace sheetform {
 namespace {
 
 std::atomic<long> looks{0};
+std::atomic<double> longest_gap{0};  // seconds of one thread's work without a look
+thread_local double last_look = -1;  // of this thread, in seconds of its own
+
+// Of this thread: what others do to the machine does not count.
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+void count_look() {
+  looks.fetch_add(1, std::memory_order_relaxed);
+  const double now = thread_seconds();
+  double longest = longest_gap;
+  if (last_look >= 0)
+    while (now - last_look > longest && !longest_gap.compare_exchange_weak(longest, now - last_look)) {
+    }
+  last_look = now;
+}
 
 }  // namespace
 }  // namespace sheetform
@@ -23,7 +44,7 @@ std::atomic<long> looks{0};
 extern "C" {
 void __real__ZNK9sheetform10RunContext10checkpointEv(const sheetform::RunContext*);
 void __wrap__ZNK9sheetform10RunContext10checkpointEv(const sheetform::RunContext* context) {
-  sheetform::looks.fetch_add(1, std::memory_order_relaxed);
+  sheetform::count_look();
   __real__ZNK9sheetform10RunContext10checkpointEv(context);
 }
 }
@@ -67,6 +88,31 @@ TEST(Stopping, LooksGrowWithTheMesh) {
            }}) {
     const auto looked = [&](int n) { return looks_of([&](RunContext& c) { step(shapes::sphere(n), c); }); };
     EXPECT_GT(looked(60), 2 * looked(24));
+  }
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
+constexpr double kSlower = 15;
+#else
+constexpr double kSlower = 1;
+#endif
+
+// A run asked to stop does so within 200 ms, wherever it is, also on a mesh far larger than the working one,
+// whether it is even or has to be cleaned first.
+TEST(Stopping, NeverWorksLongWithoutALook) {
+  for (const double stretch : {1.0, 6.0}) {
+    InputMesh input;
+    input.soup = shapes::torus(640, 160);
+    for (Vector3& p : input.soup.points) p.x() *= stretch;
+    DecomposeParams params = with_e_max(0.05);
+    params.effort = Effort::kDraft;
+    RunContext context;
+    context.threads = 2;
+    longest_gap = 0, last_look = thread_seconds();
+    decompose(input, params, nullptr, context);
+    context.checkpoint();
+    EXPECT_LT(longest_gap, 0.2 * kSlower) << input.soup.faces.size() << " faces, stretched by " << stretch;
+    EXPECT_GT(longest_gap, 0);
   }
 }
 

@@ -49,6 +49,40 @@ TEST(Structure, ClosedCylinderIsTwoDiscsAndAWall) {
   EXPECT_NEAR(areas[2], 4 * shapes::kPi, 0.25);
 }
 
+// Two bowls of an ellipse, rim to rim: the rim is sharp, what it bounds is curved both ways.
+TriangleSoup lens(int around, int rings) {
+  TriangleSoup soup = shapes::grid({around, 2 * rings, true, false}, [](double u, double v) {
+    const double a = 2 * shapes::kPi * u, up = 2 * v - 1, r = 0.02 + 0.98 * (1 - std::abs(up));
+    return Vector3(r * std::cos(a), 0.7 * r * std::sin(a), (up < 0 ? -0.35 : 0.35) * (1 - r * r));
+  });
+  return soup;
+}
+
+// Share of the rim of the lens that an arch runs along within half a percent of the diagonal.
+double rim_kept(const Decomposition& d) {
+  std::vector<std::array<int, 3>> segments;
+  for (const StripMesh::Arch& a : d.strips.arches)
+    for (std::size_t i = 0; i + 1 < a.vertices.size(); ++i)
+      segments.push_back({a.vertices[i], a.vertices[i + 1], a.vertices[i + 1]});
+  const ClosestPointTree arches(d.strips.points, segments);
+  constexpr int kPlaces = 360;
+  double kept = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double a = 2 * shapes::kPi * i / kPlaces;
+    const Vector3 place(std::cos(a), 0.7 * std::sin(a), 0);
+    kept += std::sqrt(arches.closest(place).squared_distance) < 0.005 * d.bbox_diagonal;
+  }
+  return kept / kPlaces;
+}
+
+TEST(Structure, ArchesStayOnCreasesThoughTheToleranceIsWide) {
+  const TriangleSoup soup = lens(48, 16);
+  const Decomposition d = run(soup, with_e_max(0.03));
+  expect_sound(soup, d);
+  EXPECT_TRUE(d.report.e_max_met);
+  EXPECT_GT(rim_kept(d), 0.9);
+}
+
 TEST(Structure, BoxIsItsSixFaces) {
   const TriangleSoup soup = shapes::box(12, {1, 2, 3});
   const Decomposition d = run(soup);

@@ -289,6 +289,23 @@ ClosestPoint ClosestPointTree::closest(const Vector3& query, double bound2, doub
   return best;
 }
 
+std::vector<ClosestPointTree::Part> ClosestPointTree::parts() const {
+  std::vector<Part> top;
+  if (!nodes_.empty()) append_parts({Vector3::Zero(), 0, 0, 0}, top);
+  return top;
+}
+
+void ClosestPointTree::append_parts(const Part& part, std::vector<Part>& to) const {
+  const Node& node = nodes_[part.first];
+  for (int k = 0; k < 4; ++k) {
+    if (node.count[k] < 0) continue;
+    Vector3 lo, hi;
+    for (int axis = 0; axis < 3; ++axis) lo[axis] = node.lo[axis][k], hi[axis] = node.hi[axis][k];
+    to.push_back(
+        {(lo + hi) / (2 * scale_) + centre_, (hi - lo).norm() / (2 * scale_), node.first[k], node.count[k]});
+  }
+}
+
 double distance_to_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 w = query - a, ab = b - a, ac = c - a;
   const Vector2 weights = is_thin(ab, ac)

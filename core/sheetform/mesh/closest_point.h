@@ -30,6 +30,22 @@ class ClosestPointTree {
   ClosestPoint closest(const Vector3& query, double bound2 = std::numeric_limits<double>::infinity(),
                        double enough2 = 0) const;
   bool empty() const { return nodes_.empty(); }
+  /// Of the triangles' bounding box; 1 when that is a point.
+  double diagonal() const { return 1 / scale_; }
+
+  /// Some of the triangles, near each other: all lie within `radius` of `centre`.
+  struct Part {
+    Vector3 centre;
+    double radius;
+    int first, count;  // as in Node
+    bool leaf() const { return count > 0; }
+  };
+  /// The parts at the top of the tree; none of an empty one.
+  std::vector<Part> parts() const;
+  /// Appends the parts of which one that is no leaf consists.
+  void append_parts(const Part& part, std::vector<Part>& to) const;
+  /// Triangle i < part.count of a leaf.
+  int face_of(const Part& part, int i) const { return triangles_[part.first + i].face; }
 
  private:
   // Four children side by side, boxes in single precision of normalised coordinates, rounded outward: they

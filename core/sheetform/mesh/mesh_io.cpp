@@ -137,8 +137,10 @@ MeshFile read_mesh(std::string_view bytes, std::string_view name_hint, const Rea
   MeshFile file = read_as(format_of(bytes, name_hint), bytes, limits);
   if (file.soup.faces.empty())
     throw Error(ErrorCode::kUnsupportedMesh,
-                "the file has " + std::to_string(file.soup.points.size()) + " vertices, but no faces", {},
-                "export a surface of triangles or polygons; points and curves cannot be decomposed");
+                file.soup.points.empty()
+                    ? "the file has neither vertices nor faces"
+                    : "the file has " + std::to_string(file.soup.points.size()) + " vertices, but no faces",
+                {}, "export a surface of triangles or polygons; points and curves cannot be decomposed");
   return file;
 }
 

@@ -38,10 +38,12 @@ struct Work {
   std::vector<int> face_origin, point_origin;
   std::vector<AuditFinding> findings;
 
-  void note(const std::string& kind, std::size_t count, const std::string& text, Places places) {
-    if (count > 0)
-      findings.push_back(
-          {kind, static_cast<int>(count), std::to_string(count) + " " + text, std::move(places).list()});
+  // one|many, then what follows either.
+  void note(const std::string& kind, std::size_t count, const std::string& one, const std::string& many,
+            const std::string& rest, Places places) {
+    if (count == 0) return;
+    const std::string text = std::to_string(count) + " " + (count == 1 ? one : many) + " " + rest;
+    findings.push_back({kind, static_cast<int>(count), text, std::move(places).list()});
   }
 };
 
@@ -76,7 +78,7 @@ void drop_unused(Work& work) {
   }
   if (static_cast<std::size_t>(count) == id.size()) return;
   work.note("unused-vertex", work.soup.points.size() - static_cast<std::size_t>(count),
-            "vertices without a face were left out", std::move(places));
+            "vertex without a face was", "vertices without a face were", "left out", std::move(places));
   for (std::size_t i = 0; i < id.size(); ++i)
     if (id[i] >= 0) work.soup.points[id[i]] = work.soup.points[i];
   work.soup.points.resize(count);
@@ -85,7 +87,7 @@ void drop_unused(Work& work) {
     for (int& v : f) v = id[v];
 }
 
-void merge(Work& work, const std::vector<int>& classes, const char* text) {
+void merge(Work& work, const std::vector<int>& classes, const std::string& where) {
   int count = 0;
   Places places;
   for (std::size_t i = 0; i < classes.size(); ++i) {
@@ -94,14 +96,15 @@ void merge(Work& work, const std::vector<int>& classes, const char* text) {
     else
       places.add(work.soup.points[i]);
   }
-  work.note("duplicate-vertex", classes.size() - static_cast<std::size_t>(count), text, std::move(places));
+  work.note("duplicate-vertex", classes.size() - static_cast<std::size_t>(count), "vertex " + where + " was",
+            "vertices " + where + " were", "merged with it", std::move(places));
   work.point_origin.resize(count);
   merge_classes(classes, work.soup.points, work.soup.faces);
 }
 
 // Keeps the faces for which keep(f) holds.
 template <class Keep>
-void filter_faces(Work& work, const char* kind, const char* text, const Keep& keep) {
+void filter_faces(Work& work, const char* kind, const std::string& which, const Keep& keep) {
   std::size_t kept = 0;
   Places places;
   const std::size_t before = work.soup.faces.size();
@@ -115,15 +118,15 @@ void filter_faces(Work& work, const char* kind, const char* text, const Keep& ke
   }
   work.soup.faces.resize(kept);
   work.face_origin.resize(kept);
-  work.note(kind, before - kept, text, std::move(places));
+  work.note(kind, before - kept, "face " + which + " was", "faces " + which + " were", "left out",
+            std::move(places));
 }
 
 void drop_collapsed(Work& work) {
-  filter_faces(work, "degenerate-face", "faces with less than three different vertices were left out",
-               [&](std::size_t f) {
-                 const auto& t = work.soup.faces[f];
-                 return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-               });
+  filter_faces(work, "degenerate-face", "with less than three different vertices", [&](std::size_t f) {
+    const auto& t = work.soup.faces[f];
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+  });
 }
 
 void drop_duplicates(Work& work) {
@@ -138,7 +141,7 @@ void drop_duplicates(Work& work) {
   std::vector<char> again(faces.size(), 0);
   for (std::size_t i = 1; i < keys.size(); ++i)
     if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin())) again[keys[i][3]] = 1;
-  filter_faces(work, "duplicate-face", "faces on the same vertices as another one were left out",
+  filter_faces(work, "duplicate-face", "on the same vertices as another one",
                [&](std::size_t f) { return !again[f]; });
 }
 
@@ -160,16 +163,19 @@ void note_topology(Work& work, const Gluing& g) {
     for (int s : sides) places.add(side_middle(soup, s));
     return places;
   };
-  work.note("non-manifold-edge", g.crowded.size(), "edges with more than two faces were cut open",
-            middles(g.crowded));
+  work.note("non-manifold-edge", g.crowded.size(), "edge with more than two faces was",
+            "edges with more than two faces were", "cut open", middles(g.crowded));
   Places turned;
   for (std::size_t f = 0; f < g.turned.size(); ++f)
     if (g.turned[f]) turned.add(soup.points[soup.faces[f][0]]);
   work.note("opposite-orientation", static_cast<std::size_t>(std::count(g.turned.begin(), g.turned.end(), 1)),
-            "faces were turned over to match the majority of their component", std::move(turned));
+            "face was", "faces were", "turned over to match the majority of their component",
+            std::move(turned));
   work.note("non-orientable", static_cast<std::size_t>(g.one_sided_components),
-            "components with a single side (as a Moebius strip) were cut open along " +
-                std::to_string(g.cut.size()) + " edges",
+            "component with a single side (as a Moebius strip) was",
+            "components with a single side (as a Moebius strip) were",
+            "cut open along " + std::to_string(g.cut.size()) +
+                " edges, because a sheet has two sides: the result has other borders there than the mesh",
             middles(g.cut));
 }
 
@@ -186,7 +192,8 @@ void note_bow_ties(Work& work, const Gluing& g, const std::vector<int>& origin) 
       ++count;
       places.add(work.soup.points[origin[i]]);
     }
-  work.note("bow-tie-vertex", count, "vertices where parts touch in a point were split", std::move(places));
+  work.note("bow-tie-vertex", count, "vertex where parts touch in a point was",
+            "vertices where parts touch in a point were", "split", std::move(places));
 }
 
 // Copies of one vertex are moved apart, each into its own fan: two vertices at one place would make results
@@ -274,6 +281,7 @@ RepairResult assembled(Work& work, const Gluing& g, const RunContext& context) {
     }
   }
   context.checkpoint();
+  result.vertex_origin.reserve(origin.size());
   for (int v : origin) result.vertex_origin.push_back(v < 0 ? -1 : work.point_origin[v]);
   result.mesh = build_surface_mesh(std::move(points), std::move(faces));
   return result;
@@ -308,8 +316,8 @@ void note_inside_out(Work& work, const SurfaceMesh& mesh, const std::vector<int>
     ++inward;
     places.add(mesh.points[mesh.faces[f][0]]);
   }
-  work.note("inside-out", inward, "closed components point inward; their orientation was kept",
-            std::move(places));
+  work.note("inside-out", inward, "closed component points", "closed components point",
+            "inward; that orientation was kept", std::move(places));
 }
 
 void note_flat(Work& work, const SurfaceMesh& mesh, double diagonal) {
@@ -320,7 +328,7 @@ void note_flat(Work& work, const SurfaceMesh& mesh, double diagonal) {
       ++flat;
       places.add(mesh.points[mesh.faces[f][0]]);
     }
-  work.note("zero-area-face", flat, "faces have no area; they were kept, remeshing removes them",
+  work.note("zero-area-face", flat, "face has", "faces have", "no area; kept, as remeshing removes it",
             std::move(places));
 }
 
@@ -365,16 +373,19 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
   Work work = start(soup);
   drop_unused(work);
   context.checkpoint();
-  merge(work, exact_classes(work.soup.points), "vertices at the place of another one were merged");
+  const std::vector<int> classes = exact_classes(work.soup.points);
+  context.checkpoint();
+  merge(work, classes, "at the place of another one");
   drop_collapsed(work);
   context.checkpoint();
   Gluing g = gluing::glue(work.soup);
   context.checkpoint();
   drop_unused(work);
-  if (!is_clean(work.soup, g)) {
+  const bool clean = is_clean(work.soup, g);
+  context.checkpoint();
+  if (!clean) {
     const double near = kNear * bounding_box_diagonal(work.soup.points);
-    merge(work, near_classes(work.soup.points, near),
-          "vertices nearer than 1e-9 of the diagonal to another one were merged");
+    merge(work, near_classes(work.soup.points, near), "nearer than 1e-9 of the diagonal to another one");
     drop_collapsed(work);
     drop_duplicates(work);
     drop_unused(work);

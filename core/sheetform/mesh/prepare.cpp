@@ -86,7 +86,7 @@ SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunCo
   try {
     const double length = height / 0.8;  // see Remesher::clean
     const FeatureLines borders = feature_lines(input, {}, length);
-    Remesher remesher(input, borders, length, context);
+    Remesher remesher(input, borders, length, context);  // cleaning projects nothing
     remesher.clean();
     std::vector<char> creases;
     SurfaceMesh result = remesher.result(creases);
@@ -99,10 +99,17 @@ SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunCo
 
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const RunContext& context) {
+  return prepare(input, crease_edge, target_edge_length, input,
+                 ClosestPointTree(input.points, input.faces, context), context);
+}
+
+PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
+                     double target_edge_length, const SurfaceMesh& surface, const ClosestPointTree& tree,
+                     const RunContext& context) {
   try {
     const FeatureLines lines = feature_lines(input, crease_edge, kBend * target_edge_length);
     Remesher remesher(input, lines, target_edge_length, context);
-    remesher.run();
+    remesher.run(surface, tree);
     PreparedMesh result;
     result.mesh = remesher.result(result.crease_edge);
     result.remeshed = true;

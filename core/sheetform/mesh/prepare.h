@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sheetform/base/run_context.h"
+#include "sheetform/mesh/closest_point.h"
 #include "sheetform/mesh/surface_mesh.h"
 
 namespace sheetform {
@@ -33,5 +34,10 @@ SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunCo
 /// from 200 k to 10 k.
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const RunContext& context);
+/// The same, with vertices on `surface` (`tree` is of its faces), which `input` may differ from by as little
+/// as without_slivers makes it.
+PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
+                     double target_edge_length, const SurfaceMesh& surface, const ClosestPointTree& tree,
+                     const RunContext& context);
 
 }  // namespace sheetform

@@ -46,11 +46,7 @@ struct Entry {
 
 Remesher::Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length,
                    const RunContext& context)
-    : input_(input),
-      lines_(lines),
-      surface_(input.points, input.faces, context),
-      length_(length),
-      context_(context) {
+    : lines_(lines), length_(length), context_(context) {
   load(input);
 }
 
@@ -109,9 +105,9 @@ Vector3 Remesher::vertex_normal(Vertex v) const {
 
 // Projects, but not to the far side of a thin wall.
 Vector3 Remesher::on_surface(const Vector3& p, const Vector3& normal) const {
-  const ClosestPoint c = surface_.closest(p, 4 * length_ * length_);
+  const ClosestPoint c = tree_->closest(p, 4 * length_ * length_);
   if (c.face < 0) return p;
-  return input_.face_normal_raw(c.face).dot(normal) >= 0 ? c.point : p;
+  return surface_->face_normal_raw(c.face).dot(normal) >= 0 ? c.point : p;
 }
 
 // An edge inside whose ends both lie on lines: no path can pass between them.
@@ -169,9 +165,13 @@ void Remesher::split(Edge e) {
 // first: the input may have long thin triangles all around, whose edges must not keep short ones from going.
 void Remesher::collapse_short(bool first) {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> queued(mesh_.n_edges(), -1);  // the length with which an edge waits
   auto push = [&](Edge e) {
     const double length = length_of(e);
-    if (length < kShort * length_) queue.push({length, e.idx()});
+    double& waits = queued[static_cast<std::size_t>(e.idx())];
+    if (length >= kShort * length_ || waits == length) return;
+    waits = length;
+    queue.push({length, e.idx()});
   };
   for (int e = 0; e < static_cast<int>(mesh_.n_edges()); ++e)
     if (!mesh_.status(Edge(e)).deleted()) push(Edge(e));
@@ -179,8 +179,10 @@ void Remesher::collapse_short(bool first) {
     const Edge e(queue.top().edge);
     const double length = queue.top().length;
     queue.pop();
-    if (mesh_.status(e).deleted() || length_of(e) != length) continue;
     pause();
+    double& waits = queued[static_cast<std::size_t>(e.idx())];
+    if (waits == length) waits = -1;
+    if (mesh_.status(e).deleted() || length_of(e) != length) continue;
     const Half h = best_collapse(e, first);
     if (!h.is_valid()) continue;
     const Vertex stays = mesh_.to_vertex_handle(h);
@@ -397,7 +399,8 @@ bool Remesher::move(Vertex v, const Vector3& to) {
   return true;
 }
 
-void Remesher::run() {
+void Remesher::run(const SurfaceMesh& surface, const ClosestPointTree& tree) {
+  surface_ = &surface, tree_ = &tree;
   for (int round = 0; round < kRounds; ++round) {
     if (round == 0) {
       collapse_short(true);

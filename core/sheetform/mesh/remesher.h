@@ -14,7 +14,8 @@ namespace sheetform {
 class Remesher {
  public:
   Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context);
-  void run();
+  /// Vertices come to lie on `surface`; tree: of its faces.
+  void run(const SurfaceMesh& surface, const ClosestPointTree& tree);
   /// Instead of run(): only removes edges and heights shorter than 0.8 of the length; all else stays as it
   /// is.
   void clean();
@@ -62,9 +63,9 @@ class Remesher {
 
   HalfedgeMesh mesh_;
   std::vector<Vector3> points_;
-  const SurfaceMesh& input_;
   const FeatureLines& lines_;
-  const ClosestPointTree surface_;
+  const SurfaceMesh* surface_ = nullptr;  // that vertices are put on
+  const ClosestPointTree* tree_ = nullptr;
   const double length_;
   const RunContext& context_;
   std::vector<int> edge_line_;

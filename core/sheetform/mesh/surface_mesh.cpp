@@ -15,17 +15,26 @@ struct Side {
   bool forward;  // the face runs v0 -> v1
 };
 
-std::vector<Side> sorted_sides(const std::vector<std::array<int, 3>>& faces) {
-  std::vector<Side> sides;
-  sides.reserve(faces.size() * 3);
+// By their lower vertex, which a count of the sides of each finds a place for, then within that.
+std::vector<Side> sorted_sides(const std::vector<std::array<int, 3>>& faces, std::size_t vertices) {
+  std::vector<std::size_t> place(vertices + 1, 0);
+  for (const auto& t : faces)
+    for (int k = 0; k < 3; ++k) ++place[static_cast<std::size_t>(std::min(t[k], t[(k + 1) % 3])) + 1];
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  std::vector<Side> sides(faces.size() * 3);
   for (int f = 0; f < static_cast<int>(faces.size()); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = faces[f][k], b = faces[f][(k + 1) % 3];
-      sides.push_back({std::min(a, b), std::max(a, b), f, k, a < b});
+      sides[place[static_cast<std::size_t>(std::min(a, b))]++] = {std::min(a, b), std::max(a, b), f, k,
+                                                                  a < b};
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.v0, x.v1, x.face) < std::tie(y.v0, y.v1, y.face);
-  });
+  auto begin = sides.begin();
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const auto end = sides.begin() + static_cast<std::ptrdiff_t>(place[v]);
+    std::sort(begin, end,
+              [](const Side& x, const Side& y) { return std::tie(x.v1, x.face) < std::tie(y.v1, y.face); });
+    begin = end;
+  }
   return sides;
 }
 
@@ -34,7 +43,7 @@ std::vector<Side> sorted_sides(const std::vector<std::array<int, 3>>& faces) {
 }
 
 void build_edges(SurfaceMesh& mesh) {
-  const auto sides = sorted_sides(mesh.faces);
+  const auto sides = sorted_sides(mesh.faces, mesh.points.size());
   mesh.face_edges.assign(mesh.faces.size(), {-1, -1, -1});
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t j = i;

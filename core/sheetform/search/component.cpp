@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sheetform/base/error.h"
+#include "sheetform/mesh/far_vertices.h"
 #include "sheetform/ruling/follow_crosses.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
@@ -84,7 +85,10 @@ class ComponentRun {
       : input_(input),
         params_(params),
         context_(context),
-        tree_(input.reference.points, input.reference.faces, context) {}
+        own_tree_(input.tree ? input.tree
+                             : std::make_shared<ClosestPointTree>(input.reference.points,
+                                                                  input.reference.faces, context)),
+        tree_(*own_tree_) {}
 
   std::vector<ComponentResult> run(const std::vector<double>& tolerances) {
     params_.evaluation.e_max = tolerances.front();
@@ -131,6 +135,7 @@ class ComponentRun {
     surface_.input = &tree_;
     surface_.details = find_details();
     surface_.elimination_rank = elimination_rank(surface_.mesh);
+    surface_.crease = input_.prepared.crease_edge;
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
     surface_.drawn_plane = input_.drawn_plane;
     if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;
@@ -186,6 +191,7 @@ class ComponentRun {
     finish(search);
     laps_.lap(Stage::kFinal);
     result_.seconds = laps_.take();
+    result_.counts += search.evaluator().counts();
     return std::exchange(result_, {});
   }
 
@@ -196,9 +202,11 @@ class ComponentRun {
     if (!input_.prepared.remeshed) return details;
     const ClosestPointTree working(mesh.points, mesh.faces, context_);
     const double least = 0.06 * params_.evaluation.e_max;
-    for (std::size_t i = 0; i < input_.reference.points.size(); ++i) {
+    const std::vector<FarVertex> may_be_far =
+        far_vertices(input_.reference.faces, tree_, working, least, context_);
+    for (std::size_t i = 0; i < may_be_far.size(); ++i) {
       if (i % 4096 == 0) context_.checkpoint();
-      const Vector3& p = input_.reference.points[i];
+      const Vector3& p = input_.reference.points[may_be_far[i].vertex];
       const ClosestPoint hit = working.closest(p);
       if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
     }
@@ -283,6 +291,12 @@ class ComponentRun {
     fine.sparsest = sparsest;
     fine.bounds = bounds;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
+    Attempt best = best_of(pass, spacing);
+    result_.counts += pass.counts();
+    return best;
+  }
+
+  Attempt best_of(FinalPass& pass, double spacing) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       const FinishedLayout finished = pass.solve(10);
@@ -347,7 +361,7 @@ class ComponentRun {
     if (limit <= 0) return;
     const TriangleSoup& input = input_.reference;
     const NormalReport normals =
-        measure_normals(input.points, input.faces, attempt.strips, samples, context_);
+        measure_normals(input.points, input.faces, tree_, attempt.strips, samples, context_);
     attempt.miss = std::max(attempt.miss, normals.quantile / limit);
     if (normals.quantile <= limit) return;
     std::vector<double> area;
@@ -418,7 +432,8 @@ class ComponentRun {
   const ComponentInput& input_;
   ComponentParams params_;
   RunContext& context_;
-  ClosestPointTree tree_;
+  std::shared_ptr<const ClosestPointTree> own_tree_;
+  const ClosestPointTree& tree_;
   CurvatureField curvature_;
   SearchSurface surface_;
   ComponentResult result_;
@@ -431,7 +446,9 @@ ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, 
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
     if (check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty()) break;
     params.evaluation.e_max /= 2;
+    const EvaluationCounts before = result.counts;
     result = ComponentRun(input, params, context).run({params.evaluation.e_max}).front();
+    result.counts += before;
     result.notes.push_back(kFiner);
   }
   return result;

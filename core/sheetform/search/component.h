@@ -1,6 +1,7 @@
 // One connected surface: from the prepared mesh to strips that keep the tolerance.
 #pragma once
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace sheetform {
 /// What the search works on; lengths are in bounding-box diagonals of the whole input.
 struct ComponentInput {
   PreparedMesh prepared;
-  TriangleSoup reference;      ///< the untouched input surface of this component
+  TriangleSoup reference;                        ///< the untouched input surface of this component
+  std::shared_ptr<const ClosestPointTree> tree;  ///< of `reference`; null: the run makes its own
   std::vector<Vector3> guide;  ///< cross directions given by the user, per prepared vertex; empty = none
   bool half = false;           ///< of a symmetric surface: its border on x = 0 stays there, to be mirrored
   std::vector<char>
@@ -39,6 +41,7 @@ struct ComponentResult {
   double miss = 0;      ///< the distance over e_max, or the normal deviation over its limit; above 1: not met
   std::vector<std::string> notes;         ///< for people
   std::map<std::string, double> seconds;  ///< by stage
+  EvaluationCounts counts;                ///< of the search and of its final passes
 };
 
 /// One result for each tolerance of `e_max`, which ascend (params.evaluation.e_max does not count). Field,

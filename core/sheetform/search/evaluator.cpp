@@ -197,7 +197,11 @@ bool outline_on_plane(const SearchSurface& surface, const PatchLayout& layout, c
   return surface.on_plane(arch);
 }
 
+// A crease gives way to the tolerance only where nothing else helps: an arch beside it is no crease.
+constexpr double kOnCrease = 10;
+
 double anchor_weight(const SearchSurface& surface, const Arch& arch) {
+  if (surface.on_crease(arch)) return kOnCrease;
   const bool border = arch.right == Arch::kOutside || arch.left == Arch::kOutside;
   return border && !surface.on_plane(arch) ? 0.3 : 0.02;
 }
@@ -364,12 +368,12 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
   {
     const std::lock_guard lock(mutex_);
     const auto it = cache_.find(patch.key);
-    if (it != cache_.end()) return ++hits_, it->second;
+    if (it != cache_.end()) return ++counts_.cache_hits, it->second;
   }
   context_.checkpoint();
   auto result = compute(layout, patch, params_.ruling, nullptr);
   const std::lock_guard lock(mutex_);
-  ++evaluations_;
+  ++counts_.evaluations;
   if (cache_.size() >= kCacheLimit) {  // what nobody holds can be computed again
     for (auto it = cache_.begin(); it != cache_.end();)
       it = it->second.use_count() == 1 ? cache_.erase(it) : std::next(it);

@@ -16,6 +16,7 @@
 #include "sheetform/mesh/symmetry.h"
 #include "sheetform/morph/morph.h"
 #include "sheetform/ruling/rulings.h"
+#include "sheetform/search/evaluation_counts.h"
 #include "sheetform/search/spacing.h"
 
 namespace sheetform {
@@ -38,6 +39,7 @@ struct SearchSurface {
   const CurvatureField* curvature = nullptr;  ///< of `mesh`; may be null but for the full morph
   std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
   PlaneBorder plane;                          ///< of a half; empty without symmetry
+  std::vector<char> crease;                   ///< by edge; empty = none is
   std::vector<char> drawn_plane;     ///< by edge: on the plane, and drawn as a seam by the user; may be empty
   const KeepOut* regions = nullptr;  ///< where the user wants no seam; null = there are none
   std::vector<char> keep_out;        ///< by edge: in `regions` or next to them; empty = there are none
@@ -46,6 +48,7 @@ struct SearchSurface {
                                ///< beside it joined to its image; empty = none is
 
   bool is_straight(const Arch& arch) const { return !straight.empty() && straight[arch.edges.front()]; }
+  bool on_crease(const Arch& arch) const { return !crease.empty() && crease[arch.edges.front()]; }
   bool on_plane(const Arch& arch) const { return !plane.edge.empty() && plane.edge[arch.edges.front()]; }
   bool on_plane(int vertex) const { return !plane.vertex.empty() && plane.vertex[vertex]; }
   bool is_drawn(const PathNetwork& network, const Arch& arch) const {
@@ -152,8 +155,8 @@ class LayoutEvaluator {
   /// Patches that are not listed are not evaluated. Cost grows with the listed patches only.
   LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region,
                                 const ArchPlaces& places, int rounds);
-  int evaluations() const { return evaluations_; }
-  int hits() const { return hits_; }
+  /// So far. Not for while others evaluate. May depend on the number of threads once the cache is full.
+  const EvaluationCounts& counts() const { return counts_; }
 
  private:
   LayoutEvaluation morph_patches(const PatchLayout& layout,
@@ -171,7 +174,7 @@ class LayoutEvaluator {
   mutable std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
   std::unordered_set<std::uint64_t> rejected_;
-  int evaluations_ = 0, hits_ = 0;
+  EvaluationCounts counts_;
 };
 
 /// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it

@@ -33,6 +33,7 @@ class FinalPass {
   void draw_to(const std::vector<FarPlace>& far);
   /// Rulings of these patches that care less for fairness and more for distance; false when there are none.
   bool plainer(const std::vector<int>& patches);
+  const EvaluationCounts& counts() const { return evaluator_.counts(); }
 
  private:
   using Evaluation = std::shared_ptr<const PatchEvaluation>;

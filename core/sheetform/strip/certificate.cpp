@@ -21,6 +21,38 @@ std::vector<Defect> check_alone(const StripMesh& r, int patch, const PatchShape&
   return out;
 }
 
+std::vector<Defect> structure(const StripMesh& result, const SurfaceMesh* input, const ClosestPointTree& tree,
+                              int max_sides, double bbox_diagonal, double* isometry_error,
+                              const RunContext& context) {
+  if (isometry_error) *isometry_error = 0;
+  std::vector<Defect> out = check_indices(result);
+  if (!out.empty()) return out;
+  context.checkpoint();
+  const Whole whole(result);
+  append(out, check_surface(whole, input, tree));
+  append(out, check_boundaries(whole, max_sides));
+  append(out, check_arches(whole));
+  append(out, check_uv_owners(whole));
+  context.checkpoint();
+  for (std::size_t p = 0; p < whole.shapes.size(); ++p)
+    append(out, check_alone(result, static_cast<int>(p), whole.shapes[p], bbox_diagonal, isometry_error));
+  context.checkpoint();
+  std::vector<int> rim;
+  for (std::size_t v = 0; v < whole.valence.size(); ++v)
+    if (whole.valence[v] > 0) rim.push_back(static_cast<int>(v));
+  append(out, check_doubled_points(result, rim, bbox_diagonal));
+  return out;
+}
+
+// The same triangles one by one, however their corners are numbered.
+bool same_triangles(const TriangleSoup& soup, const SurfaceMesh& mesh) {
+  if (soup.faces.size() != mesh.faces.size()) return false;
+  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (soup.points[soup.faces[f][k]] != mesh.points[mesh.faces[f][k]]) return false;
+  return true;
+}
+
 // Of the input's faces, so that unused vertices do not count.
 double diagonal_of(const TriangleSoup& soup) {
   Eigen::AlignedBox3d box;
@@ -48,34 +80,31 @@ std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_
 
 std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* input, int max_sides,
                                     double bbox_diagonal, double* isometry_error) {
-  if (isometry_error) *isometry_error = 0;
-  std::vector<Defect> out = check_indices(result);
-  if (!out.empty()) return out;
-  const Whole whole(result);
-  append(out, check_surface(whole, input));
-  append(out, check_boundaries(whole, max_sides));
-  append(out, check_arches(whole));
-  append(out, check_uv_owners(whole));
-  for (std::size_t p = 0; p < whole.shapes.size(); ++p)
-    append(out, check_alone(result, static_cast<int>(p), whole.shapes[p], bbox_diagonal, isometry_error));
-  std::vector<int> rim;
-  for (std::size_t v = 0; v < whole.valence.size(); ++v)
-    if (whole.valence[v] > 0) rim.push_back(static_cast<int>(v));
-  append(out, check_doubled_points(result, rim, bbox_diagonal));
-  return out;
+  const ClosestPointTree tree = input ? ClosestPointTree(input->points, input->faces) : ClosestPointTree();
+  return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, {});
 }
 
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,
                     int max_sides, int samples, RunContext& context) {
   Certificate c;
   context.checkpoint();
-  c.defects = check_structure(result, repaired, max_sides, diagonal_of(input), &c.isometry_error);
+  // Where repair only welded, one tree serves all, and no place is measured twice.
+  const bool welded_only = repaired && same_triangles(input, *repaired);
+  const std::vector<Vector3>& points = welded_only ? repaired->points : input.points;
+  const std::vector<std::array<int, 3>>& faces = welded_only ? repaired->faces : input.faces;
+  const ClosestPointTree tree(points, faces, context);
+  const ClosestPointTree own = repaired && !welded_only
+                                   ? ClosestPointTree(repaired->points, repaired->faces, context)
+                                   : ClosestPointTree();
+  const ClosestPointTree& repaired_tree = repaired && !welded_only ? own : tree;
+  c.defects =
+      structure(result, repaired, repaired_tree, max_sides, diagonal_of(input), &c.isometry_error, context);
   if (std::any_of(c.defects.begin(), c.defects.end(), [](const Defect& d) { return d.check == "S1"; }))
     return c;
-  const ClosestPointTree tree(input.points, input.faces, context);
-  c.distance = measure_distance(input, tree, result, samples, context);
-  c.normals = repaired ? measure_normals(repaired->points, repaired->faces, result, samples, context)
-                       : measure_normals(input.points, input.faces, result, samples, context);
+  c.distance = measure_distance(points, faces, tree, result, samples, context);
+  c.normals =
+      repaired ? measure_normals(repaired->points, repaired->faces, repaired_tree, result, samples, context)
+               : measure_normals(points, faces, tree, result, samples, context);
   return c;
 }
 

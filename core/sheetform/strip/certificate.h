@@ -69,16 +69,22 @@ std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_
 
 /// Two-sided distance by area-uniform samples (`samples` each way, deterministic), all vertices, and local
 /// refinement from the worst ones. tree: of the input's faces.
-/// far_limit: places beyond it are listed; what is well below it is then only known to be so (the distances
-/// told are upper bounds, the mean as well), which is several times quicker.
+/// far_limit: places beyond it are listed; what is well below it is then only known to be so (distances told
+/// may be wrong, but are below it), which is several times quicker, and on large inputs much more: balls of
+/// faces are passed over together.
+DistanceReport measure_distance(const std::vector<Vector3>& points,
+                                const std::vector<std::array<int, 3>>& faces, const ClosestPointTree& tree,
+                                const StripMesh& result, int samples, RunContext& context,
+                                double far_limit = std::numeric_limits<double>::infinity());
 DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,
                                 const StripMesh& result, int samples, RunContext& context,
                                 double far_limit = std::numeric_limits<double>::infinity());
 
 /// Two-sided normal deviation from `samples` each way (deterministic). The input must be oriented like the
-/// result.
+/// result. tree: of the input's faces.
 NormalReport measure_normals(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
-                             const StripMesh& result, int samples, RunContext& context);
+                             const ClosestPointTree& tree, const StripMesh& result, int samples,
+                             RunContext& context);
 
 /// All of it. Normals are measured against `repaired` where there is one: it is oriented.
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,

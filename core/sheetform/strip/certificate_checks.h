@@ -38,10 +38,11 @@ struct Whole {
   std::vector<int> valence;  ///< per point: patch edges there
   explicit Whole(const StripMesh& strips);
 };
-std::vector<Defect> check_surface(const Whole& whole, const SurfaceMesh* input);  // S2
-std::vector<Defect> check_boundaries(const Whole& whole, int max_sides);          // S4
-std::vector<Defect> check_arches(const Whole& whole);                             // S5
-std::vector<Defect> check_uv_owners(const Whole& whole);                          // S7, across patches
+/// S2. input: may be null, `tree` is of its faces then of no account.
+std::vector<Defect> check_surface(const Whole& whole, const SurfaceMesh* input, const ClosestPointTree& tree);
+std::vector<Defect> check_boundaries(const Whole& whole, int max_sides);  // S4
+std::vector<Defect> check_arches(const Whole& whole);                     // S5
+std::vector<Defect> check_uv_owners(const Whole& whole);                  // S7, across patches
 std::vector<Defect> check_doubled_points(const StripMesh& result, const std::vector<int>& points,
                                          double diagonal);  // S9
 
@@ -49,9 +50,10 @@ struct AreaSample {
   Vector3 point;
   int face;
 };
-/// One point in each of `n` equal shares of the area; the same each time.
+/// One point in each of `n` equal shares of the area (which is put into *area); the same each time.
 std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
-                                     const std::vector<std::array<int, 3>>& faces, int n);
+                                     const std::vector<std::array<int, 3>>& faces, int n,
+                                     double* area = nullptr);
 
 /// A point of the patch to show to people.
 Vector3 place_of(const StripMesh& result, int patch);

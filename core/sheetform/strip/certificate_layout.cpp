@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/strip/certificate_checks.h"
 
 namespace sheetform::certificate {
@@ -97,20 +98,20 @@ void check_boundary(const Whole& w, int patch, std::vector<Defect>& out) {
 }
 
 void compare_topology(const Topology& t, const SurfaceMesh& input, std::vector<Defect>& out) {
-  const EdgeTable table(input.faces);
-  const Topology in = topology_of(input.faces, table, input.vertex_count());
-  const auto counts = [](const Topology& x) {
-    return std::to_string(x.components) + " components, " + std::to_string(x.border_loops) +
-           " border loops, chi " + std::to_string(x.euler());
+  const auto counts = [](int components, int border_loops, int euler) {
+    return std::to_string(components) + " components, " + std::to_string(border_loops) +
+           " border loops, chi " + std::to_string(euler);
   };
-  if (t.components != in.components || t.border_loops != in.border_loops || t.euler() != in.euler())
-    out.push_back(
-        {"S2", "the result has " + counts(t) + "; the input has " + counts(in), -1, Vector3::Zero()});
+  const std::string now = counts(t.components, t.border_loops, t.euler()),
+                    wanted = counts(face_components(input).second, count_border_loops(input),
+                                    input.vertex_count() - input.edge_count() + input.face_count());
+  if (now != wanted)
+    out.push_back({"S2", "the result has " + now + "; the input has " + wanted, -1, Vector3::Zero()});
 }
 
 // Each component must show its outside where the input does.
-void compare_orientation(const Whole& w, const SurfaceMesh& input, std::vector<Defect>& out) {
-  const ClosestPointTree tree(input.points, input.faces);
+void compare_orientation(const Whole& w, const SurfaceMesh& input, const ClosestPointTree& tree,
+                         std::vector<Defect>& out) {
   const std::vector<Vector3>& p = w.result.points;
   std::vector<double> agreement(w.topology.components, 0);
   std::vector<int> first(w.topology.components, -1);
@@ -194,7 +195,7 @@ Whole::Whole(const StripMesh& strips) : result(strips) {
   }
 }
 
-std::vector<Defect> check_surface(const Whole& w, const SurfaceMesh* input) {
+std::vector<Defect> check_surface(const Whole& w, const SurfaceMesh* input, const ClosestPointTree& tree) {
   std::vector<Defect> out;
   const Topology& t = w.topology;
   const auto at_edge = [&](int i, const char* text) {
@@ -209,7 +210,7 @@ std::vector<Defect> check_surface(const Whole& w, const SurfaceMesh* input) {
   if (t.misoriented_edge >= 0) at_edge(t.misoriented_edge, " lies between faces of opposite orientation");
   if (!input) return out;
   compare_topology(t, *input, out);
-  if (t.manifold() && t.oriented()) compare_orientation(w, *input, out);
+  if (t.manifold() && t.oriented()) compare_orientation(w, *input, tree, out);
   return out;
 }
 

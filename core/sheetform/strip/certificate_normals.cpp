@@ -29,14 +29,15 @@ double angle_between(const Vector3& a, const Vector3& b) {
 // Samples on one surface against the closest faces of the other. patch(own face, hit face).
 template <class PatchOf>
 std::vector<TiltSample> tilts(const std::vector<Vector3>& points, const Faces& faces,
-                              const std::vector<Vector3>& other_points, const Faces& other_faces, int samples,
-                              const PatchOf& patch, const RunContext& context) {
-  const ClosestPointTree tree(other_points, other_faces, context);
+                              const std::vector<Vector3>& other_points, const Faces& other_faces,
+                              const ClosestPointTree& tree, int samples, const PatchOf& patch,
+                              const RunContext& context) {
   const std::vector<certificate::AreaSample> from = certificate::area_samples(points, faces, samples);
   std::vector<TiltSample> out(from.size());
   constexpr int kChunk = 512;
   const int n = static_cast<int>(from.size());
   parallel_for(context, (n + kChunk - 1) / kChunk, [&](int chunk) {
+    context.checkpoint();
     for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
       const ClosestPoint hit = tree.closest(from[i].point);
       if (hit.face < 0) continue;
@@ -85,8 +86,9 @@ void take(const std::vector<TiltSample>& samples, NormalReport& report) {
 
 }  // namespace
 
-NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& faces, const StripMesh& result,
-                             int samples, RunContext& context) {
+NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& faces,
+                             const ClosestPointTree& tree, const StripMesh& result, int samples,
+                             RunContext& context) {
   NormalReport report;
   report.patch_quantile.assign(result.patches.size(), 0);
   Faces strips;
@@ -97,12 +99,13 @@ NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& fa
       patch_of.push_back(static_cast<int>(p));
     }
   if (faces.empty() || strips.empty()) return report;
+  const ClosestPointTree strip_tree(result.points, strips, context);
   take(tilts(
-           points, faces, result.points, strips, samples, [&](int, int hit) { return patch_of[hit]; },
-           context),
+           points, faces, result.points, strips, strip_tree, samples,
+           [&](int, int hit) { return patch_of[hit]; }, context),
        report);
   take(tilts(
-           result.points, strips, points, faces, samples, [&](int own, int) { return patch_of[own]; },
+           result.points, strips, points, faces, tree, samples, [&](int own, int) { return patch_of[own]; },
            context),
        report);
   return report;

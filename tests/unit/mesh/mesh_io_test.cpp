@@ -295,7 +295,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"slashes", kTriangle + "f 1/1/1/1 2 3\n", "", kBad, "more than three", "line 4"},
         Bad{"continued", kTriangle + "f 1 \\\n2 \\\nx\n", "", kBad, "'x'", "line 6"},
         Bad{"noFaces", kTriangle, "", ErrorCode::kUnsupportedMesh, "3 vertices, but no faces", ""},
-        Bad{"onlyComments", "# Blender\n", "a.obj", ErrorCode::kUnsupportedMesh, "no faces", ""}),
+        Bad{"onlyComments", "# Blender\n", "a.obj", ErrorCode::kUnsupportedMesh, "neither vertices nor faces",
+            ""}),
     [](const auto& i) { return std::string(i.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(

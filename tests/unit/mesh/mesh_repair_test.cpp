@@ -85,6 +85,7 @@ TEST(MeshRepair, EqualPointsAreWelded) {
   expect_topology(r, 1, 0, 0);
   EXPECT_EQ(r.mesh.vertex_count(), static_cast<int>(torus.points.size()));
   EXPECT_EQ(count_of(r, "duplicate-vertex"), 3 * 126 - 63);
+  EXPECT_EQ(r.audit.findings[0].text, "315 vertices at the place of another one were merged with it");
 }
 
 TEST(MeshRepair, NearPointsAreWeldedWhereThatIsNeeded) {

@@ -204,16 +204,16 @@ TEST(LayoutEvaluator, NeighboursShareTheirUnknowns) {
 TEST(LayoutEvaluator, RemembersPatches) {
   Tube t;
   t.evaluator.layout(t.layout, 1);
-  EXPECT_EQ(t.evaluator.evaluations(), 4);
-  const int hits = t.evaluator.hits();
+  EXPECT_EQ(t.evaluator.counts().evaluations, 4);
+  const auto hits = t.evaluator.counts().cache_hits;
   t.evaluator.layout(t.layout, 1);
-  EXPECT_EQ(t.evaluator.evaluations(), 4);
-  EXPECT_EQ(t.evaluator.hits(), hits + 4);
+  EXPECT_EQ(t.evaluator.counts().evaluations, 4);
+  EXPECT_EQ(t.evaluator.counts().cache_hits, hits + 4);
   // One patch changes: its neighbours across the moved arch are new as well, the others are not.
   const int v = t.drawing.mesh.edges[t.drawing.line(2, 0, 2, 1)[2]].v0;
   ++t.drawing.versions[v];
   t.evaluator.layout(t.drawing.layout(), 1);
-  EXPECT_EQ(t.evaluator.evaluations(), 6);
+  EXPECT_EQ(t.evaluator.counts().evaluations, 6);
 }
 
 TEST(LayoutEvaluator, RejectedPatchesStayRejected) {

@@ -12,7 +12,8 @@ namespace {
 NormalReport normals(const TriangleSoup& input, const StripMesh& result, int threads = 1) {
   RunContext context;
   context.threads = threads;
-  return measure_normals(input.points, input.faces, result, 20000, context);
+  return measure_normals(input.points, input.faces, ClosestPointTree(input.points, input.faces), result,
+                         20000, context);
 }
 
 TEST(Normals, AnExactResultDeviatesNowhere) {
