@@ -291,12 +291,12 @@ class ComponentRun {
     fine.sparsest = sparsest;
     fine.bounds = bounds;
     FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
-    Attempt best = best_of(pass, spacing);
+    Attempt best = best_of(pass, fine);
     result_.counts += pass.counts();
     return best;
   }
 
-  Attempt best_of(FinalPass& pass, double spacing) {
+  Attempt best_of(FinalPass& pass, const EvaluationParams& fine) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       const FinishedLayout finished = pass.solve(10);
