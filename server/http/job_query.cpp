@@ -75,7 +75,12 @@ void read_cursor(const Exchange& x, const std::string& text, JobFilter& filter) 
       text.substr(1, first - 1) != filter_mark(x) || !is_uuid(text.substr(second + 1)) ||
       std::from_chars(text.data() + first + 1, text.data() + second, created).ptr != text.data() + second)
     refuse("cursor", "follow the links next and prev of a page; do not change its filters");
-  (text[0] == kOlder ? filter.after : filter.before) = {created, text.substr(second + 1)};
+  // Not by one conditional expression: GCC 12 copies the string in it byte by byte.
+  std::pair<Microseconds, std::string> place(created, text.substr(second + 1));
+  if (text[0] == kOlder)
+    filter.after = std::move(place);
+  else
+    filter.before = std::move(place);
 }
 
 std::string page_query(const Exchange& x, char direction, const JobRecord& from) {

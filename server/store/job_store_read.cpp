@@ -13,13 +13,14 @@ class Where {
   template <class T>
   void add(const std::string& condition, const T& value) {
     add(condition);
-    values_.emplace_back([value](SQLite::Statement& s, int i) { s.bind(i, value); });
+    put(value);
   }
-  template <class A, class B, class C>
-  void add(const std::string& condition, const A& a, const B& b, const C& c) {
-    add(condition, a);
-    values_.emplace_back([b](SQLite::Statement& s, int i) { s.bind(i, b); });
-    values_.emplace_back([c](SQLite::Statement& s, int i) { s.bind(i, c); });
+  /// A condition on the place of a job in the list: its time twice, then its id.
+  void add(const std::string& condition, const std::pair<Microseconds, std::string>& place) {
+    add(condition);
+    put(place.first);
+    put(place.first);
+    put(place.second);
   }
   const std::string& text() const { return text_; }
   int bind(SQLite::Statement& statement) const {
@@ -29,6 +30,11 @@ class Where {
   }
 
  private:
+  template <class T>
+  void put(T value) {
+    values_.emplace_back([v = std::move(value)](SQLite::Statement& s, int i) { s.bind(i, v); });
+  }
+
   std::string text_;
   std::vector<std::function<void(SQLite::Statement&, int)>> values_;
 };
@@ -51,11 +57,8 @@ Where where_of(const JobFilter& f) {
   if (f.created_to) where.add("created <= ?", *f.created_to);
   if (f.min_seconds) where.add(seconds + " >= ?", *f.min_seconds);
   if (f.max_seconds) where.add(seconds + " <= ?", *f.max_seconds);
-  if (f.after)
-    where.add("(created < ? OR (created = ? AND id < ?))", f.after->first, f.after->first, f.after->second);
-  if (f.before)
-    where.add("(created > ? OR (created = ? AND id > ?))", f.before->first, f.before->first,
-              f.before->second);
+  if (f.after) where.add("(created < ? OR (created = ? AND id < ?))", *f.after);
+  if (f.before) where.add("(created > ? OR (created = ? AND id > ?))", *f.before);
   return where;
 }
 
