@@ -299,7 +299,9 @@ class ComponentRun {
   Attempt best_of(FinalPass& pass, const EvaluationParams& fine) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
+      context_.checkpoint();
       const FinishedLayout finished = pass.solve(10);
+      context_.checkpoint();
       Attempt attempt = measured(finished, kQuickSamples);
       if (attempt.good()) attempt = measured(finished, kSamples);
       attempt.evaluation = fine;
