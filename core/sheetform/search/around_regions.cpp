@@ -117,7 +117,7 @@ std::vector<int> LayoutSearch::failing_of(const std::vector<int>& faces) {
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   for (int p : all)
-    if (!evaluator_.patch(layout_, p)->viable()) failing.push_back(p);
+    if (!evaluator_->patch(layout_, p)->viable()) failing.push_back(p);
   return failing.empty() ? all : failing;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <set>
 
 #include "sheetform/tracing/path_smoothing.h"
@@ -13,9 +15,6 @@ namespace {
 constexpr double kFirm = 5;
 // Of all merges that succeed, 0.5 % are above it (at 1, 2 and 5 %), of those that are too far off 20 to 60 %.
 constexpr double kTooRound = 9;
-// A change of the local search that keeps the number of parts may lengthen the cuts by this much (see
-// objective()), so that the search can walk on.
-constexpr double kPlateau = 0.03;
 // Of a diagonal inside of a region where no seam is wanted: its removal goes before all others, and it may
 // cost that many parts.
 constexpr double kInsideValue = 100, kInsideCost = 100;
@@ -50,11 +49,11 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
       params_(params),
       context_(context),
       distance_(graph, 1.0),
-      evaluator_(surface_, params_.evaluation, context),
+      evaluator_(std::make_shared<LayoutEvaluator>(surface_, params_.evaluation, context)),
       rules_{params.evaluation.self_seams},
       edge_length_(mean_edge_length(surface.mesh)),
       rest_(surface.mesh.points),
-      face_gauss_(face_gauss(surface)) {}
+      face_gauss_(std::make_shared<const std::vector<double>>(face_gauss(surface))) {}
 
 LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params)
     : surface_(before.surface_),
@@ -65,7 +64,8 @@ LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const Search
       params_(params),
       context_(before.context_),
       distance_(graph_, 1.0),
-      evaluator_(surface_, params_.evaluation, context_, &before.evaluator_),
+      evaluator_(
+          std::make_shared<LayoutEvaluator>(surface_, params_.evaluation, context_, before.evaluator_.get())),
       rules_{params.evaluation.self_seams},
       edge_length_(before.edge_length_),
       last_version_(before.last_version_),
@@ -83,7 +83,7 @@ const PatchLayout& LayoutSearch::layout() {
 }
 
 const LayoutEvaluation& LayoutSearch::evaluation() {
-  if (!evaluation_valid_) evaluation_ = evaluator_.layout(layout(), params_.lawson_rounds);
+  if (!evaluation_valid_) evaluation_ = evaluator_->layout(layout(), params_.lawson_rounds);
   evaluation_valid_ = true;
   return evaluation_;
 }
@@ -176,7 +176,7 @@ int LayoutSearch::split(const std::vector<int>& patches, PatchVerdict reason) {
   int done = 0;
   const PatchLayout before = layout();
   for (int p : patches) {
-    const auto known = evaluator_.patch(before, p);
+    const auto known = evaluator_->patch(before, p);
     PatchEvaluation asked = *known;
     if (known->viable() || known->verdict == PatchVerdict::kError) asked.verdict = reason;
     const std::vector<int> edges = split_around(before, p, asked);
@@ -273,13 +273,13 @@ void LayoutSearch::smooth_what_allows() {
 }
 
 void LayoutSearch::reject(const std::vector<int>& patches) {
-  for (int p : patches) evaluator_.reject(layout().patches[p]);
+  for (int p : patches) evaluator_->reject(layout().patches[p]);
 }
 
 // Patches that break a rule alone, or, when none does, in the global morph.
 std::vector<int> LayoutSearch::geometrically_bad() {
   std::vector<int> bad;
-  const auto evaluations = evaluator_.patches(layout());
+  const auto evaluations = evaluator_->patches(layout());
   for (int p = 0; p < static_cast<int>(evaluations.size()); ++p)
     if (!evaluations[p]->viable()) bad.push_back(p);
   if (!bad.empty()) return bad;
@@ -348,7 +348,7 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
   for (const Patch& p : region.patches)
     if (p.defect != TopologyDefect::kNone) return std::nullopt;
   for (int p = 0; p < fit.patches; ++p) {
-    const auto e = evaluator_.patch(region, p);
+    const auto e = evaluator_->patch(region, p);
     if (!e->viable()) return std::nullopt;
     fit.error = std::max(fit.error, e->error / params_.evaluation.e_max);
     fit.sides = std::max(fit.sides, static_cast<int>(e->corners.size()));
@@ -369,7 +369,7 @@ bool LayoutSearch::region_fits(const std::vector<int>& faces, double before) {
       for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
         if (q >= 0) region.insert(q);
   const std::vector<int> list(region.begin(), region.end());
-  const LayoutEvaluation e = evaluator_.solve_region(layout_, list, places_, params_.lawson_rounds);
+  const LayoutEvaluation e = evaluator_->solve_region(layout_, list, places_, params_.lawson_rounds);
   if (e.max_error > std::max(params_.evaluation.e_max, before)) return false;
   store(e);
   return true;
@@ -480,7 +480,7 @@ bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::v
   for (int e : edges) at_ends[surface_.mesh.edges[e].v0], at_ends[surface_.mesh.edges[e].v1];
   int corners = 0;
   for (int p : beside)
-    for (const NodeTurn& turn : evaluator_.patch(layout_, p)->turns) {
+    for (const NodeTurn& turn : evaluator_->patch(layout_, p)->turns) {
       const auto end = at_ends.find(turn.vertex);
       if (end == at_ends.end()) {
         corners += std::abs(turn.angle) > turn.limit + kFirm;
@@ -503,7 +503,7 @@ bool LayoutSearch::too_round(const std::vector<int>& beside, double inner_length
     const Patch& patch = layout_.patches[p];
     area += patch.area;
     for (const ArchUse& use : patch.boundary) outline += layout_.arches[use.arch].length;
-    for (int f : patch.faces) gauss += face_gauss_[f];
+    for (int f : patch.faces) gauss += (*face_gauss_)[f];
   }
   const double width = 2 * area / std::max(outline, 1e-9);
   return std::sqrt(gauss / area) * width * width > kTooRound * params_.evaluation.e_max;
@@ -572,87 +572,6 @@ double LayoutSearch::objective() {
   for (const Arch& a : layout().arches)
     if (a.left >= 0 && a.right >= 0) length += a.length;
   return static_cast<double>(layout_.patches.size()) + 0.08 * length + kInsideCost * length_inside();
-}
-
-// The stretch of a path inside one patch, from outline to outline; empty when the path does not cross it.
-std::vector<int> LayoutSearch::stretch_inside(const Path& path, int patch) const {
-  const std::vector<int> edges = network_.path_edges(path);
-  const int n = static_cast<int>(edges.size()), m = static_cast<int>(path.vertices.size());
-  auto inside = [&](int i) {
-    const auto& edge = surface_.mesh.edges[edges[i]];
-    return layout_.edge_arch[edges[i]] < 0 && layout_.face_patch[edge.f0] == patch;
-  };
-  auto on_network = [&](int i) {
-    return network_degree(surface_.mesh, network_.network(), path.vertices[i % m]) > 0;
-  };
-  for (int start = 0; start < n; ++start) {
-    if (!inside(start) || !on_network(start)) continue;
-    std::vector<int> run;
-    for (int i = start; i < start + n; ++i) {
-      if (!path.loop && i >= n) return {};
-      if (!inside(i % n)) return {};
-      run.push_back(edges[i % n]);
-      if (on_network(path.loop ? (i + 1) % m : i + 1)) return run;
-    }
-  }
-  return {};
-}
-
-void LayoutSearch::try_improve(const Path& path, int patch) {
-  const std::vector<int> run = stretch_inside(path, patch);
-  if (run.size() < 3) return;
-  const double before = objective();
-  const EditableNetwork network_before = network_;
-  const PatchLayout layout_before = layout_;
-  const ArchPlaces places_before = places_;
-  const std::vector<int> faces = layout_.patches[patch].faces;
-  kept_path_ = network_.insert_edges(run, PathKind::kCut);
-  changed();
-  bool good = viable_region(network_.network(), faces) && region_fits(faces, 0);
-  if (good) {
-    remove_arches();
-    const std::size_t parts = layout().patches.size(), parts_before = layout_before.patches.size();
-    good = parts < parts_before || (parts == parts_before && objective() < before + kPlateau);
-  }
-  kept_path_ = -1;
-  if (good) return;
-  network_ = network_before, layout_ = layout_before, places_ = places_before;
-  layout_valid_ = true, evaluation_valid_ = false;
-}
-
-int LayoutSearch::improve(int tries, std::uint64_t seed) {
-  int improved = 0;
-  std::uint64_t state = seed * 6364136223846793005ull + 1442695040888963407ull;
-  auto random = [&](std::size_t n) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<std::size_t>((state >> 33) % n);
-  };
-  if (pool_.empty()) return 0;
-  EditableNetwork best_network = network_;
-  ArchPlaces best_places = places_;
-  double best = objective();
-  for (int t = 0; t < tries; ++t) {
-    context_.report(Stage::kRemove, 0.7 + 0.3 * t / tries);
-    // The smaller of two: small patches are the ones that their neighbours can take over.
-    const std::size_t n = layout().patches.size(), one = random(n), other = random(n);
-    const int patch = static_cast<int>(layout_.patches[other].area < layout_.patches[one].area ? other : one);
-    const std::size_t first = random(pool_.size());
-    for (std::size_t k = 0; k < pool_.size(); ++k) {
-      const Path& path = pool_[(first + k) % pool_.size()];
-      if (stretch_inside(path, patch).size() < 3) continue;
-      try_improve(path, patch);
-      break;
-    }
-    if (objective() < best - 1e-9) {
-      best = objective(), best_network = network_, best_places = places_;
-      ++improved;
-    }
-  }
-  if (objective() > best) {
-    network_ = std::move(best_network), places_ = std::move(best_places);
-    changed();
-  }
-  return improved;
 }
 
 }  // namespace sheetform

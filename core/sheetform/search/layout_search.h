@@ -75,10 +75,12 @@ class LayoutSearch {
 
   const PatchLayout& layout();
   const LayoutEvaluation& evaluation();
-  LayoutEvaluator& evaluator() { return evaluator_; }
+  LayoutEvaluator& evaluator() { return *evaluator_; }
   const EditableNetwork& network() const { return network_; }
 
  private:
+  /// A copy of the layout to try a change on, with what is known of patches shared.
+  LayoutSearch(const LayoutSearch& of, RunContext& context);
   void changed() { layout_valid_ = evaluation_valid_ = false; }
   std::vector<int> topologically_bad();
   std::vector<int> geometrically_bad();
@@ -96,7 +98,13 @@ class LayoutSearch {
   void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
                 const std::vector<int>& versions);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
-  void try_improve(const Path& path, int patch);
+  /// A stretch of a candidate that could go through a patch.
+  struct Proposal {
+    int patch;
+    const Path* path;
+  };
+  bool try_improve(const Proposal& proposal);
+  void adopt(LayoutSearch& trial);
   double length_inside(const std::vector<int>& edges) const;
   double length_inside();
   bool can_avoid(const Patch& patch) const;
@@ -124,12 +132,12 @@ class LayoutSearch {
   SearchParams params_;
   RunContext& context_;
   NodeDistance distance_;
-  LayoutEvaluator evaluator_;
+  std::shared_ptr<LayoutEvaluator> evaluator_;
   LayoutRules rules_;
   double edge_length_;
   int last_version_ = 0;
-  std::vector<Vector3> rest_;       ///< the mesh before any smoothing
-  std::vector<double> face_gauss_;  ///< per face: its integral of |Gaussian curvature|
+  std::vector<Vector3> rest_;                              ///< the mesh before any smoothing
+  std::shared_ptr<const std::vector<double>> face_gauss_;  ///< per face: its integral of |curvature|
   PatchLayout layout_;
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;

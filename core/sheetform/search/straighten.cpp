@@ -37,7 +37,7 @@ bool LayoutSearch::try_straighten(int edge) {
   if (places_.empty()) store(evaluation());
   const std::vector<int> faces = layout_.patches[layout_.face_patch[face]].faces;
   set_straight(arch.edges, true);
-  if (evaluator_.patch(layout(), layout_.face_patch[face])->viable() && region_fits(faces, 0)) return true;
+  if (evaluator_->patch(layout(), layout_.face_patch[face])->viable() && region_fits(faces, 0)) return true;
   for (int e : arch.edges) surface_.straight[e] = 0;
   network_.restore_edges(arch.edges, std::vector<int>(arch.edges.size(), arch.path));
   changed();
