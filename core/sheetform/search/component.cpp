@@ -22,7 +22,7 @@ namespace {
 
 // A finer measurement finds a little more than the one made here.
 constexpr double kMeasured = 0.993;
-constexpr int kQuickSamples = 4000, kSamples = 20000;  // the latter as the certificate takes them
+constexpr int kQuickSamples = 4000;  // before as many as the certificate takes
 // Steps of one final pass; an excess over the tolerance has to shrink to this share at each, and beyond this
 // multiple of the tolerance rulings become plainer at once.
 constexpr int kMostSteps = 12;
@@ -303,7 +303,7 @@ class ComponentRun {
       const FinishedLayout finished = pass.solve(10);
       context_.checkpoint();
       Attempt attempt = measured(finished, kQuickSamples);
-      if (attempt.good()) attempt = measured(finished, kSamples);
+      if (attempt.good()) attempt = measured(finished, samples());
       attempt.evaluation = fine;
       attempt.uneven = spacing_miss(attempt.strips, params_.spacing);
       if (attempt.good()) return attempt;
@@ -321,6 +321,8 @@ class ComponentRun {
     }
     return best;
   }
+
+  int samples() const { return certificate_samples(params_.evaluation.e_max); }
 
   // Small steps towards a tolerance that is far off lead nowhere.
   static bool clearly_better(const Attempt& now, const Attempt& best) {
@@ -401,7 +403,7 @@ class ComponentRun {
       FinishedLayout moved = reduced.finished;
       moved.source.points =
           full_morph_places(surface_, layout, moved.evaluation, reduced.evaluation, keep, context_);
-      Attempt full = measured(moved, kSamples);
+      Attempt full = measured(moved, samples());
       const std::vector<char> spoilt = spoilt_patches(full, reduced);
       if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {
         result_.strips = std::move(full.strips), result_.distance = full.distance, result_.miss = full.miss;

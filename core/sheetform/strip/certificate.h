@@ -67,6 +67,13 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
 /// Used inside the search before a patch is committed.
 std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_diagonal);
 
+/// Samples each way that tell distances of the order of e_max (a fraction of the diagonal): finer tolerances
+/// leave sharper peaks between them.
+inline int certificate_samples(double e_max) {
+  const double finer = e_max < 0.02 ? 0.02 / e_max : 1;
+  return finer * finer > 5 ? 100000 : static_cast<int>(20000 * finer * finer);
+}
+
 /// Two-sided distance by area-uniform samples (`samples` each way, deterministic), all vertices, and local
 /// refinement from the worst ones. tree: of the input's faces.
 /// far_limit: places beyond it are listed; what is well below it is then only known to be so (distances told
