@@ -23,8 +23,6 @@ std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
 }
 
-bool may_go(PathKind kind) { return kind == PathKind::kTraced || kind == PathKind::kCut; }
-
 // Per face: the integral of the absolute Gaussian curvature.
 std::vector<double> face_gauss(const SearchSurface& surface) {
   std::vector<double> gauss(surface.mesh.faces.size(), 0);
@@ -197,7 +195,7 @@ int LayoutSearch::give_away(const std::vector<int>& patches) {
     for (const ArchUse& use : before.patches[p].boundary) {
       const Arch& arch = before.arches[use.arch];
       if (arch.left < 0 || arch.right < 0 || arch.length <= length ||
-          !network_.network().used(arch.edges[0]) || !may_go(network_.network().kinds[arch.path]))
+          !network_.network().used(arch.edges[0]) || is_held(network_.network().kinds[arch.path]))
         continue;
       const std::vector<int> edges = with_loose_ends(arch.edges);
       if (!edges.empty()) longest = edges, length = arch.length;
@@ -416,7 +414,7 @@ void LayoutSearch::join_straight(const std::vector<int>& removed) {
       for (const int* r = surface_.mesh.ring_begin_of(v); r != surface_.mesh.ring_end_of(v); ++r)
         if (net.used(*r)) at.push_back(*r);
       if (at.size() != 2 || net.edge_path[at[0]] == net.edge_path[at[1]]) continue;
-      const auto movable = [&](int edge) { return may_go(net.kinds[net.edge_path[edge]]); };
+      const auto movable = [&](int edge) { return !is_held(net.kinds[net.edge_path[edge]]); };
       if (!movable(at[0]) || !movable(at[1])) continue;
       layout();
       const Vector3 a = arch_direction(at[0], v), b = arch_direction(at[1], v);
@@ -444,7 +442,7 @@ void LayoutSearch::remove_paths() {
     for (int path = count - 1; path > 0; --path) {
       context_.report(Stage::kRemove, 0.4 * (count - path) / count);
       const PathKind kind = network_.network().kinds[path];
-      if (!may_go(kind)) continue;
+      if (is_held(kind)) continue;
       removed |= try_remove(network_.edges_of_path(path));
     }
   }
@@ -465,7 +463,7 @@ std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges) const {
       const auto [degree, e] = remaining(v);
       if (degree != 1) continue;
       const PathKind kind = net.kinds[net.edge_path[e]];
-      if (!may_go(kind)) return {};
+      if (is_held(kind)) return {};
       edges.push_back(e);
       gone.insert(e);
     }
@@ -533,7 +531,7 @@ std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const 
   for (int a = 0; a < static_cast<int>(now.arches.size()); ++a) {
     const Arch& arch = now.arches[a];
     const PathKind kind = network_.network().kinds[arch.path];
-    if (arch.left < 0 || arch.right < 0 || arch.path == kept_path_ || !may_go(kind)) continue;
+    if (arch.left < 0 || arch.right < 0 || arch.path == kept_path_ || is_held(kind)) continue;
     std::uint64_t left = now.patches[arch.left].key, right = now.patches[arch.right].key;
     arches.emplace_back(combine(arch.key, combine(std::min(left, right), std::max(left, right))), a);
   }
