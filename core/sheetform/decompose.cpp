@@ -238,6 +238,7 @@ void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
   const DistanceReport& distance = d.certificate.distance;
   r.patches = static_cast<int>(d.strips.patches.size());
   r.hausdorff = distance.hausdorff() / norm.diagonal;
+  r.hausdorff_at_most = distance.at_most / norm.diagonal;
   r.mean_distance = distance.mean / norm.diagonal;
   r.e_max_met = r.hausdorff <= e_max;
   r.isometry_error = d.certificate.isometry_error;
@@ -524,8 +525,8 @@ class Sweep {
     for (Vector2& u : d.strips.uvs) u *= norm_.diagonal;
     const auto start = Clock::now();
     context_.report(Stage::kFinal, 1, kCertifying);
-    d.certificate = certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides,
-                            certificate_samples(d.params.e_max), context_);
+    d.certificate =
+        certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides, kCertificateSamples, context_);
     d.report.timings["certify"] += seconds_since(start);
     if (half_ && !d.certificate.strict()) {
       d = without_symmetry(d);

@@ -62,6 +62,7 @@ constexpr const char* kCertifying = "every promise is measured again";
 struct Report {
   int patches = 0;
   double hausdorff = 0, mean_distance = 0, cut_length = 0, border_length = 0;
+  double hausdorff_at_most = 0;  ///< proven: the true distance is not above it
   bool e_max_met = false;
   double isometry_error = 0;
   Vector3 worst_place = Vector3::Zero();         ///< units of the mesh

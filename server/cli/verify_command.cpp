@@ -55,6 +55,7 @@ void print_measures(const StoredResult& stored, const Certificate& certificate, 
   std::printf(
       "largest distance    %.6g %% of the diagonal (mesh to sheets %.6g %%, sheets to mesh %.6g %%)\n",
       100 * d.hausdorff() / diagonal, 100 * d.input_to_result / diagonal, 100 * d.result_to_input / diagonal);
+  std::printf("proven at most      %.6g %%\n", 100 * d.at_most / diagonal);
   std::printf("mean distance       %.6g %%\n", 100 * d.mean / diagonal);
   std::printf("tolerance           %.6g %%, %s\n", 100 * stored.e_max, met ? "met" : "NOT met");
   if (!met)

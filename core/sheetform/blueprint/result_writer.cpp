@@ -173,6 +173,7 @@ Json report_of(const Decomposition& d) {
   const double unit = d.bbox_diagonal > 0 ? d.bbox_diagonal : 1;
   return {{"patches", d.report.patches},
           {"hausdorff", d.report.hausdorff},
+          {"hausdorff_at_most", d.report.hausdorff_at_most},
           {"mean_distance", d.report.mean_distance},
           {"e_max_met", d.report.e_max_met},
           {"isometry_error", d.report.isometry_error},

@@ -30,7 +30,7 @@ struct ComponentParams {
   int improvements = 20;                  ///< tries of the local search
   double fine_spacing = 0.015;            ///< outline samples of the result
   SpacingBounds spacing;                  ///< of the outline points of the result
-  double margin = 0.95;                   ///< the search aims at this share of e_max
+  double margin = 0.97;                   ///< the search aims at this share of e_max
   MorphKind morph = MorphKind::kReduced;  ///< gives the last positions; the search takes the reduced one
   std::uint64_t seed = 0;
 };

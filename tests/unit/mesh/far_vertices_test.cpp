@@ -45,6 +45,21 @@ TEST(FarVertices, HoldsAllThatAreFarther) {
   }
 }
 
+TEST(FarFaces, HoldsAllWithAFarPoint) {
+  const Pair pair = dented_torus();
+  for (double limit : {0.0, 0.01, 0.3}) {
+    const std::vector<int> far = far_faces(pair.own, pair.to, limit, {});
+    EXPECT_TRUE(std::is_sorted(far.begin(), far.end()));
+    for (int f = 0; f < static_cast<int>(pair.soup.faces.size()); ++f) {
+      const auto& t = pair.soup.faces[f];
+      const Vector3 middle = (pair.soup.points[t[0]] + pair.soup.points[t[1]] + pair.soup.points[t[2]]) / 3;
+      const bool is_far = pair.to.closest(middle).squared_distance > limit * limit;
+      EXPECT_TRUE(!is_far || std::binary_search(far.begin(), far.end(), f)) << f;
+    }
+  }
+  EXPECT_TRUE(far_faces(pair.own, pair.to, 10, {}).empty());
+}
+
 TEST(FarVertices, PassesOverWhatIsNear) {
   const Pair pair = dented_torus();
   const auto n = pair.soup.points.size();

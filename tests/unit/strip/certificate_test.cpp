@@ -371,6 +371,71 @@ TEST(Distance, FindsASpikeThatNoSampleHits) {
   EXPECT_LT(d.result_to_input, 0.3);
 }
 
+// The plane [0, 2] x [-1, 1] without one of its small squares: no sample of the result need lie above the
+// gap.
+TriangleSoup plane_with_a_gap(int n) {
+  TriangleSoup input = shapes::plane(n, 2);
+  for (Vector3& p : input.points) p += Vector3(0, -1, 0);
+  const auto gap = input.faces.begin() + n * n + n / 3 * 2;
+  input.faces.erase(gap, gap + 2);
+  return input;
+}
+
+TEST(Distance, FindsThePeakThatNoSampleIsNear) {
+  const int n = 60;
+  const TriangleSoup input = plane_with_a_gap(n);
+  const DistanceReport d = distance(input, shapes::two_leaves(0, 0, 3), 10);
+  EXPECT_LT(d.input_to_result, 1e-9);
+  EXPECT_NEAR(d.result_to_input, 1.0 / n, 1e-4);  // half of the gap's width
+  EXPECT_GE(d.at_most, d.hausdorff());
+  EXPECT_LE(d.at_most, d.hausdorff() + 1e-4);
+}
+
+TEST(Distance, IsProvenAboveAllSamples) {
+  for (int bands : {8, 12, 20}) {
+    const StripMesh torus = shapes::torus_bands(bands, 5 * bands);
+    const TriangleSoup input = shapes::torus(50 + bands, 30);
+    const DistanceReport d = distance(input, torus, 100);
+    const double seen = distance(input, torus, 40000).hausdorff();
+    EXPECT_GE(d.at_most, seen);
+    EXPECT_NEAR(d.hausdorff(), seen, 1e-3 * seen);
+  }
+}
+
+TEST(FindFar, FindsPlacesBeyondTheLimitAndNoOthers) {
+  const int n = 60;
+  const TriangleSoup input = plane_with_a_gap(n);
+  const StripMesh result = shapes::two_leaves(0, 0, 3);
+  const ClosestPointTree tree(input.points, input.faces);
+  RunContext context;
+  const DistanceReport far = find_far(input, tree, result, 0.9 / n, context);
+  ASSERT_FALSE(far.far.empty());
+  for (const FarPlace& place : far.far) {
+    EXPECT_GT(place.distance, 0.9 / n);
+    const Vector3 on_strips = place.barycentric[0] * result.points[place.triangle[0]] +
+                              place.barycentric[1] * result.points[place.triangle[1]] +
+                              place.barycentric[2] * result.points[place.triangle[2]];
+    EXPECT_NEAR((on_strips - place.on_input).norm(), place.distance, 1e-9);
+  }
+  EXPECT_NEAR(far.patch_error[0], 1.0 / n, 0.1 / n);
+  const DistanceReport near = find_far(input, tree, result, 1.1 / n, context);
+  EXPECT_TRUE(near.far.empty());
+  EXPECT_LE(near.at_most, 1.1 / n);
+}
+
+TEST(FindFar, SeesASpikeOfTheInput) {
+  TriangleSoup input = shapes::plane(40, 2);
+  for (Vector3& p : input.points) p += Vector3(0, -1, 0);
+  const Vector3& tip = input.points[41 * 17 + 23] += Vector3(0, 0, 0.3);
+  const ClosestPointTree tree(input.points, input.faces);
+  RunContext context;
+  const DistanceReport d = find_far(input, tree, shapes::two_leaves(0, 0, 3), 0.2, context);
+  EXPECT_NEAR(d.input_to_result, 0.3, 1e-9);
+  ASSERT_FALSE(d.far.empty());
+  for (const FarPlace& place : d.far)
+    EXPECT_TRUE(place.distance < 0.29 || (place.on_input - tip).norm() < 0.05);
+}
+
 TEST(Distance, IsOneSidedWhereThePatchIsMissing) {
   // The input reaches farther than the result: only the way from the input sees it.
   const TriangleSoup input =

@@ -1,0 +1,212 @@
+#include "sheetform/strip/one_way_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace sheetform::certificate {
+namespace {
+
+// Pieces that are split at once: more than threads need, few enough that all are near the top of the queue.
+constexpr std::size_t kAtOnce = 512;
+// In a face where a place beyond the limit is known, one is only looked for that is worse by this share of the
+// limit, and by more where that place is far beyond it.
+constexpr double kWorse = 1e-3, kMuchWorse = 0.1, kFarBeyond = 1.05;
+
+// No point of the triangle is farther than this from the nearest of its corners.
+double cover_radius(const std::array<Vector3, 3>& p) {
+  std::array<double, 3> side2{(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(),
+                              (p[0] - p[2]).squaredNorm()};
+  std::sort(side2.begin(), side2.end());
+  const double four_areas2 = 4 * (p[1] - p[0]).cross(p[2] - p[0]).squaredNorm();
+  if (side2[0] + side2[1] <= side2[2] || !(four_areas2 > 0)) return std::sqrt(side2[2]) / 2;
+  return std::min(std::sqrt(side2[0] * side2[1] * side2[2] / four_areas2), std::sqrt(side2[2] / 3));
+}
+
+int longest_side(const std::array<Vector3, 3>& p) {
+  int longest = 0;
+  for (int k = 1; k < 3; ++k)
+    if ((p[(k + 1) % 3] - p[k]).squaredNorm() > (p[(longest + 1) % 3] - p[longest]).squaredNorm())
+      longest = k;
+  return longest;
+}
+
+}  // namespace
+
+void Farthest::raise(int face, double distance, const Vector3& point, const ClosestPoint& hit) {
+  if (!(distance > at(face))) return;
+  if (slot_[face] < 0) slot_[face] = static_cast<int>(places_.size()), places_.emplace_back();
+  places_[slot_[face]] = {distance, point, hit};
+}
+
+// Part of a face, with what is known of its corners.
+struct OneWayDistance::Piece {
+  std::array<Vector3, 3> corners;
+  std::array<Hit, 3> hits;
+  int face = -1;
+  double bound = std::numeric_limits<double>::infinity();  // no point of the piece is farther
+  std::int64_t order = 0;                                  // of making, which decides between equal bounds
+  bool operator<(const Piece& other) const {
+    return bound != other.bound ? bound < other.bound : order > other.order;
+  }
+};
+
+OneWayDistance::OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree,
+                               double enough, const RunContext& context)
+    : from_face(from.faces.size()),
+      to_face(to.faces.size()),
+      from_(from),
+      to_(to),
+      tree_(tree),
+      enough_(enough),
+      context_(context) {}
+
+ClosestPoint OneWayDistance::closest(const Vector3& point) const {
+  return tree_.closest(point, std::numeric_limits<double>::infinity(), enough_ * enough_);
+}
+
+void OneWayDistance::keep(const Vector3& point, int face, const ClosestPoint& hit) {
+  const double d = std::sqrt(hit.squared_distance);
+  from_face.raise(face, d, point, hit);
+  if (hit.face >= 0) to_face.raise(hit.face, d, point, hit);
+  if (d > max) max = d, worst = point;
+}
+
+double OneWayDistance::measure(const std::vector<AreaSample>& samples) {
+  double sum = 0;
+  for (const Hit& hit : hits_of(samples)) sum += hit.distance;
+  return samples.empty() ? 0 : sum / static_cast<double>(samples.size());
+}
+
+std::vector<OneWayDistance::Hit> OneWayDistance::hits_of(const std::vector<AreaSample>& samples) {
+  std::vector<ClosestPoint> hits(samples.size());
+  constexpr int kChunk = 512;
+  const int n = static_cast<int>(samples.size());
+  parallel_for(context_, (n + kChunk - 1) / kChunk, [&](int chunk) {
+    context_.checkpoint();
+    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
+      hits[i] = closest(samples[i].point);
+  });
+  context_.checkpoint();
+  std::vector<Hit> out;
+  for (int i = 0; i < n; ++i) {
+    keep(samples[i].point, samples[i].face, hits[i]);
+    out.push_back({hits[i].face, std::sqrt(hits[i].squared_distance)});
+  }
+  return out;
+}
+
+std::vector<OneWayDistance::Hit> OneWayDistance::vertex_hits(const std::vector<int>& faces) {
+  std::vector<int> face_of(from_.points.size(), -1);
+  for (int f : faces)
+    for (int v : from_.faces[f])
+      if (face_of[v] < 0) face_of[v] = f;
+  std::vector<AreaSample> samples;
+  std::vector<int> vertices;
+  for (std::size_t v = 0; v < face_of.size(); ++v)
+    if (face_of[v] >= 0)
+      samples.push_back({from_.points[v], face_of[v]}), vertices.push_back(static_cast<int>(v));
+  const std::vector<Hit> hits = hits_of(samples);
+  std::vector<Hit> out(from_.points.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) out[vertices[i]] = hits[i];
+  return out;
+}
+
+// Two bounds: the distance to any one face is convex, so over the piece it is largest at a corner; and no
+// point is farther than the farthest corner by more than its way to a corner.
+double OneWayDistance::bound_of(const Piece& piece) const {
+  double farthest = 0;
+  for (const Hit& h : piece.hits) farthest = std::max(farthest, h.distance);
+  double bound = std::min(piece.bound, farthest + cover_radius(piece.corners));
+  for (int k = 0; k < 3; ++k) {
+    const int face = piece.hits[k].face;
+    if (face < 0 || (k > 0 && face == piece.hits[k - 1].face)) continue;
+    const auto& t = to_.faces[face];
+    double most = 0;
+    for (int i = 0; i < 3 && most < bound; ++i)
+      most = std::max(most, piece.hits[i].face == face
+                                ? piece.hits[i].distance
+                                : distance_to_triangle(piece.corners[i], to_.points[t[0]], to_.points[t[1]],
+                                                       to_.points[t[2]]));
+    bound = std::min(bound, most);
+  }
+  return bound;
+}
+
+std::array<OneWayDistance::Piece, 2> OneWayDistance::halves(const Piece& piece, int side,
+                                                            const Vector3& middle, const Hit& hit) const {
+  std::array<Piece, 2> out{piece, piece};
+  for (int i = 0; i < 2; ++i) {
+    out[i].corners[(side + i) % 3] = middle;
+    out[i].hits[(side + i) % 3] = hit;
+    out[i].bound = bound_of(out[i]);
+  }
+  return out;
+}
+
+// A queue that only takes pieces that may matter, and tells what the others are bounded by.
+class OneWayDistance::Open {
+ public:
+  Open(const OneWayDistance& way, double limit, double finest) : way_(way), limit_(limit), finest_(finest) {}
+  void push(Piece piece) {
+    piece.order = made_++;
+    if (matters(piece)) queue_.push(piece);
+  }
+  std::vector<Piece> pop(std::size_t most) {
+    std::vector<Piece> out;
+    for (; !queue_.empty() && out.size() < most; queue_.pop())
+      if (matters(queue_.top())) out.push_back(queue_.top());
+    return out;
+  }
+  double bound() const { return std::max(left_, queue_.empty() ? 0 : queue_.top().bound); }
+
+ private:
+  bool matters(const Piece& piece) {
+    const double here = way_.from_face.at(piece.face);
+    const double worse = here > kFarBeyond * limit_ ? kMuchWorse : kWorse;
+    const double known = limit_ <= 0 ? way_.max + finest_ : here > limit_ ? here + worse * limit_ : limit_;
+    if (piece.bound > known) return true;
+    left_ = std::max(left_, piece.bound);
+    return false;
+  }
+  const OneWayDistance& way_;
+  double limit_, finest_;
+  std::priority_queue<Piece> queue_;
+  std::int64_t made_ = 0;
+  double left_ = 0;
+};
+
+void OneWayDistance::search(const std::vector<int>& faces, int splits, double limit, double finest) {
+  const std::vector<Hit> known = vertex_hits(faces);
+  Open open(*this, limit, finest);
+  for (int f : faces) {
+    const auto& t = from_.faces[f];
+    Piece piece;
+    for (int k = 0; k < 3; ++k) piece.corners[k] = from_.points[t[k]], piece.hits[k] = known[t[k]];
+    piece.face = f, piece.bound = bound_of(piece);
+    open.push(piece);
+  }
+  for (int done = 0; done < splits;) {
+    context_.checkpoint();
+    const std::vector<Piece> now = open.pop(std::min(kAtOnce, static_cast<std::size_t>(splits - done)));
+    const int n = static_cast<int>(now.size());
+    if (n == 0) break;
+    done += n;
+    std::vector<Vector3> middles(now.size());
+    std::vector<ClosestPoint> hits(now.size());
+    std::vector<std::array<Piece, 2>> pairs(now.size());
+    parallel_for(context_, n, [&](int i) {
+      const int k = longest_side(now[i].corners);
+      middles[i] = (now[i].corners[k] + now[i].corners[(k + 1) % 3]) / 2;
+      hits[i] = closest(middles[i]);
+      pairs[i] = halves(now[i], k, middles[i], {hits[i].face, std::sqrt(hits[i].squared_distance)});
+    });
+    for (int i = 0; i < n; ++i) keep(middles[i], now[i].face, hits[i]);
+    for (const auto& pair : pairs)
+      for (const Piece& half : pair) open.push(half);
+  }
+  at_most = std::max(max, open.bound());
+}
+
+}  // namespace sheetform::certificate

@@ -1,0 +1,76 @@
+// The largest distance from one surface to another: branch and bound over its faces.
+#pragma once
+#include <vector>
+
+#include "sheetform/mesh/closest_point.h"
+#include "sheetform/strip/certificate_checks.h"
+
+namespace sheetform::certificate {
+
+/// A surface in plain arrays.
+struct Surface {
+  const std::vector<Vector3>& points;
+  const std::vector<std::array<int, 3>>& faces;
+};
+
+/// The largest distance found at some faces, and where: few faces of a large mesh are ever asked for.
+class Farthest {
+ public:
+  struct Place {
+    double distance = 0;
+    Vector3 point = Vector3::Zero();
+    ClosestPoint hit;
+  };
+  explicit Farthest(std::size_t faces) : slot_(faces, -1) {}
+  double at(int face) const { return slot_[face] < 0 ? 0 : places_[slot_[face]].distance; }
+  /// What is known of a face at which at() is not 0.
+  const Place& place(int face) const { return places_[slot_[face]]; }
+  void raise(int face, double distance, const Vector3& point, const ClosestPoint& hit);
+
+ private:
+  std::vector<int> slot_;
+  std::vector<Place> places_;
+};
+
+/// Distances from one surface to another, one way. All it is given must outlive it.
+class OneWayDistance {
+ public:
+  /// tree: of the faces of `to`. enough: what is known to be nearer is not measured exactly.
+  OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree, double enough,
+                 const RunContext& context);
+
+  /// Measures from each sample and gives the mean distance.
+  double measure(const std::vector<AreaSample>& samples);
+
+  /// Branch and bound: splits parts of `faces` that may reach farther than is known, the most promising
+  /// first, at most `splits` times. limit 0: looks for the largest distance, until none can be larger by
+  /// `finest`. Otherwise: for places beyond the limit, and the worst of each such face to a few percent.
+  /// Results do not depend on the number of threads. Cost: a query for each vertex and split.
+  void search(const std::vector<int>& faces, int splits, double limit, double finest);
+
+  double max = 0;      ///< largest distance found
+  double at_most = 0;  ///< after search(): no point of its faces is farther
+  Vector3 worst = Vector3::Zero();
+  Farthest from_face, to_face;
+
+ private:
+  struct Piece;
+  class Open;
+  struct Hit {
+    int face = -1;  // of the other surface
+    double distance = 0;
+  };
+  ClosestPoint closest(const Vector3& point) const;
+  void keep(const Vector3& point, int face, const ClosestPoint& hit);
+  std::vector<Hit> hits_of(const std::vector<AreaSample>& samples);
+  std::vector<Hit> vertex_hits(const std::vector<int>& faces);
+  double bound_of(const Piece& piece) const;
+  std::array<Piece, 2> halves(const Piece& piece, int side, const Vector3& middle, const Hit& hit) const;
+
+  const Surface &from_, &to_;
+  const ClosestPointTree& tree_;
+  double enough_;
+  const RunContext& context_;
+};
+
+}  // namespace sheetform::certificate
