@@ -417,7 +417,7 @@ TEST(FindFar, FindsPlacesBeyondTheLimitAndNoOthers) {
                               place.barycentric[2] * result.points[place.triangle[2]];
     EXPECT_NEAR((on_strips - place.on_input).norm(), place.distance, 1e-9);
   }
-  EXPECT_NEAR(far.patch_error[0], 1.0 / n, 0.1 / n);
+  EXPECT_NEAR(far.result_to_input, 1.0 / n, 0.1 / n);
   const DistanceReport near = find_far(input, tree, result, 1.1 / n, context);
   EXPECT_TRUE(near.far.empty());
   EXPECT_LE(near.at_most, 1.1 / n);
