@@ -20,6 +20,11 @@ constexpr double kFinest = 2e-5;
 // measured exactly.
 constexpr double kSettled = 0.6;
 
+// Samples each way that often show that all is not within the limit; once a place so far beyond it is known, the
+// others need not all be found.
+constexpr int kGlances = 4000;
+constexpr double kFarBeyond = 1.3;
+
 Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>& t, const Vector3& p) {
   Eigen::Matrix<double, 3, 2> sides;
   sides << points[t[1]] - points[t[0]], points[t[2]] - points[t[0]];
@@ -108,8 +113,13 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   context.checkpoint();
   const double enough = kSettled * limit;
   OneWayDistance to(in, out, result_tree, enough, context), back(out, in, tree, enough, context);
-  to.search(far_faces(tree, result_tree, limit, context), kCertificateSplits, limit, 0);
-  back.search(all_of(strips.faces), kCertificateSplits, limit, 0);
+  to.measure(certificate::area_samples(in.points, in.faces, kGlances));
+  back.measure(certificate::area_samples(out.points, out.faces, kGlances));
+  const auto splits = [&] {
+    return std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
+  };
+  to.search(far_faces(tree, result_tree, limit, context), splits(), limit, 0);
+  back.search(all_of(strips.faces), splits(), limit, 0);
   return report_of(result, strips, to, back, limit);
 }
 
