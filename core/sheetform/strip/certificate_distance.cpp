@@ -20,8 +20,8 @@ constexpr double kFinest = 2e-5;
 // measured exactly.
 constexpr double kSettled = 0.6;
 
-// Samples each way that often show that all is not within the limit; once a place so far beyond it is known, the
-// others need not all be found.
+// Samples each way that often show that all is not within the limit; once a place so far beyond it is known,
+// the others need not all be found.
 constexpr int kGlances = 4000;
 constexpr double kFarBeyond = 1.3;
 

@@ -10,8 +10,8 @@ namespace {
 
 // Pieces that are split at once: more than threads need, few enough that all are near the top of the queue.
 constexpr std::size_t kAtOnce = 512;
-// In a face where a place beyond the limit is known, one is only looked for that is worse by this share of the
-// limit, and by more where that place is far beyond it.
+// In a face where a place beyond the limit is known, one is only looked for that is worse by this share of
+// the limit, and by more where that place is far beyond it.
 constexpr double kWorse = 1e-3, kMuchWorse = 0.1, kFarBeyond = 1.05;
 
 // No point of the triangle is farther than this from the nearest of its corners.
