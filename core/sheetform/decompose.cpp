@@ -525,8 +525,8 @@ class Sweep {
     for (Vector2& u : d.strips.uvs) u *= norm_.diagonal;
     const auto start = Clock::now();
     context_.report(Stage::kFinal, 1, kCertifying);
-    d.certificate =
-        certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides, kCertificateSamples, context_);
+    d.certificate = certify(input_.soup, &repaired_.mesh, d.strips, params_.max_sides, kCertificateSamples,
+                            context_, d.params.e_max * norm_.diagonal);
     d.report.timings["certify"] += seconds_since(start);
     if (half_ && !d.certificate.strict()) {
       d = without_symmetry(d);

@@ -85,7 +85,7 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
 }
 
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,
-                    int max_sides, int samples, RunContext& context) {
+                    int max_sides, int samples, RunContext& context, double promised) {
   Certificate c;
   context.checkpoint();
   // Where repair only welded, one tree serves all, and no place is measured twice.
@@ -101,7 +101,7 @@ Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, cons
       structure(result, repaired, repaired_tree, max_sides, diagonal_of(input), &c.isometry_error, context);
   if (std::any_of(c.defects.begin(), c.defects.end(), [](const Defect& d) { return d.check == "S1"; }))
     return c;
-  c.distance = measure_distance(points, faces, tree, result, samples, context);
+  c.distance = measure_distance(points, faces, tree, result, samples, context, promised);
   c.normals =
       repaired ? measure_normals(repaired->points, repaired->faces, repaired_tree, result, samples, context)
                : measure_normals(points, faces, tree, result, samples, context);

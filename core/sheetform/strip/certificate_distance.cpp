@@ -16,6 +16,8 @@ using certificate::Surface;
 
 // The largest distance is found to this fraction of the diagonal.
 constexpr double kFinest = 2e-5;
+// Splits each way, once what was promised is proven: enough to find the largest distance at 2 %.
+constexpr int kFewSplits = 30000;
 // Where only places beyond a limit are asked for, what is known to be nearer than this share of it is not
 // measured exactly.
 constexpr double kSettled = 0.6;
@@ -81,7 +83,7 @@ std::vector<int> all_of(const std::vector<std::array<int, 3>>& faces) {
 
 DistanceReport measure_distance(const std::vector<Vector3>& points,
                                 const std::vector<std::array<int, 3>>& faces, const ClosestPointTree& tree,
-                                const StripMesh& result, int samples, RunContext& context) {
+                                const StripMesh& result, int samples, RunContext& context, double promised) {
   const Strips strips(result);
   if (strips.faces.empty() || faces.empty()) return {};
   const Surface in{points, faces}, out{result.points, strips.faces};
@@ -89,7 +91,10 @@ DistanceReport measure_distance(const std::vector<Vector3>& points,
   context.checkpoint();
   const auto measure = [&](OneWayDistance& way, const Surface& from) {
     const double mean = way.measure(certificate::area_samples(from.points, from.faces, samples));
-    way.search(all_of(from.faces), kCertificateSplits, 0, kFinest * tree.diagonal());
+    way.search(all_of(from.faces), {.finest = kFinest * tree.diagonal(),
+                                    .settled = promised,
+                                    .splits = kCertificateSplits,
+                                    .few_splits = kFewSplits});
     return mean;
   };
   OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
@@ -100,8 +105,8 @@ DistanceReport measure_distance(const std::vector<Vector3>& points,
 }
 
 DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,
-                                const StripMesh& result, int samples, RunContext& context) {
-  return measure_distance(input.points, input.faces, tree, result, samples, context);
+                                const StripMesh& result, int samples, RunContext& context, double promised) {
+  return measure_distance(input.points, input.faces, tree, result, samples, context, promised);
 }
 
 DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree, const StripMesh& result,
@@ -118,8 +123,8 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   const auto splits = [&] {
     return std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
   };
-  to.search(far_faces(tree, result_tree, limit, context), splits(), limit, 0);
-  back.search(all_of(strips.faces), splits(), limit, 0);
+  to.search(far_faces(tree, result_tree, limit, context), {.limit = limit, .splits = splits()});
+  back.search(all_of(strips.faces), {.limit = limit, .splits = splits()});
   return report_of(result, strips, to, back, limit);
 }
 

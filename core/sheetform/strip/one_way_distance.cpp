@@ -148,7 +148,7 @@ std::array<OneWayDistance::Piece, 2> OneWayDistance::halves(const Piece& piece, 
 // A queue that only takes pieces that may matter, and tells what the others are bounded by.
 class OneWayDistance::Open {
  public:
-  Open(const OneWayDistance& way, double limit, double finest) : way_(way), limit_(limit), finest_(finest) {}
+  Open(const OneWayDistance& way, const Goal& goal) : way_(way), limit_(goal.limit), finest_(goal.finest) {}
   void push(Piece piece) {
     piece.order = made_++;
     if (matters(piece)) queue_.push(piece);
@@ -177,9 +177,9 @@ class OneWayDistance::Open {
   double left_ = 0;
 };
 
-void OneWayDistance::search(const std::vector<int>& faces, int splits, double limit, double finest) {
+void OneWayDistance::search(const std::vector<int>& faces, const Goal& goal) {
   const std::vector<Hit> known = vertex_hits(faces);
-  Open open(*this, limit, finest);
+  Open open(*this, goal);
   for (int f : faces) {
     const auto& t = from_.faces[f];
     Piece piece;
@@ -187,9 +187,10 @@ void OneWayDistance::search(const std::vector<int>& faces, int splits, double li
     piece.face = f, piece.bound = bound_of(piece);
     open.push(piece);
   }
-  for (int done = 0; done < splits;) {
+  for (int done = 0; done < goal.splits;) {
     context_.checkpoint();
-    const std::vector<Piece> now = open.pop(std::min(kAtOnce, static_cast<std::size_t>(splits - done)));
+    if (done >= goal.few_splits && open.bound() <= goal.settled) break;
+    const std::vector<Piece> now = open.pop(std::min(kAtOnce, static_cast<std::size_t>(goal.splits - done)));
     const int n = static_cast<int>(now.size());
     if (n == 0) break;
     done += n;

@@ -42,11 +42,17 @@ class OneWayDistance {
   /// Measures from each sample and gives the mean distance.
   double measure(const std::vector<AreaSample>& samples);
 
+  struct Goal {
+    double limit = 0;    ///< 0: the largest distance; otherwise the places beyond this one
+    double finest = 0;   ///< without limit: by how much a larger distance may be missed
+    double settled = 0;  ///< without limit: once none is larger than this, few_splits do
+    int splits = 0, few_splits = 0;
+  };
   /// Branch and bound: splits parts of `faces` that may reach farther than is known, the most promising
-  /// first, at most `splits` times. limit 0: looks for the largest distance, until none can be larger by
-  /// `finest`. Otherwise: for places beyond the limit, and the worst of each such face to a few percent.
-  /// Results do not depend on the number of threads. Cost: a query for each vertex and split.
-  void search(const std::vector<int>& faces, int splits, double limit, double finest);
+  /// first. With a limit, each face's worst place beyond it is found to a thousandth of the limit (a tenth,
+  /// where it is far beyond). Results do not depend on the number of threads. Cost: a query for each vertex
+  /// and split.
+  void search(const std::vector<int>& faces, const Goal& goal);
 
   double max = 0;      ///< largest distance found
   double at_most = 0;  ///< after search(): no point of its faces is farther
