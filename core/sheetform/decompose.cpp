@@ -159,7 +159,8 @@ std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& sou
 // One way of running the search. `mesh`: whose working mesh it takes.
 struct Variant {
   Effort mesh;
-  int seeds, improvements;
+  std::vector<int> seeds;
+  int improvements;
   std::uint64_t seed_offset;
 };
 
@@ -167,16 +168,16 @@ struct Variant {
 std::vector<Variant> variants(Effort effort) {
   switch (effort) {
     case Effort::kDraft:
-      return {{Effort::kDraft, 60, 0, 0}};
+      return {{Effort::kDraft, {60}, 0, 0}};
     case Effort::kNormal:
-      return {{Effort::kNormal, 200, 60, 0}};
+      return {{Effort::kNormal, {200, 60}, 30, 0}};
     case Effort::kThorough:
       break;
   }
-  return {{Effort::kNormal, 200, 60, 0},
-          {Effort::kDraft, 60, 150, 1},
-          {Effort::kNormal, 200, 150, 2},
-          {Effort::kNormal, 400, 150, 3}};
+  return {{Effort::kNormal, {200, 60}, 30, 0},
+          {Effort::kDraft, {60}, 150, 1},
+          {Effort::kNormal, {200}, 150, 2},
+          {Effort::kNormal, {400}, 150, 3}};
 }
 
 ComponentParams component_params(const DecomposeParams& params, double e_max, const SpacingBounds& spacing,
@@ -493,7 +494,7 @@ class Sweep {
         }
       }
       // A way that ends without valid strips is not the only one.
-      if (best.empty()) run({Effort::kDraft, 60, 0, 11}, part_of(context_, 0.95, 0.95));
+      if (best.empty()) run({Effort::kDraft, {60}, 0, 11}, part_of(context_, 0.95, 0.95));
       for (std::size_t k = 0; k < results.size(); ++k) {
         append(results[k].strips, best[k].strips, c);
         std::vector<std::string>& notes = results[k].report.notes;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <tuple>
@@ -103,20 +105,19 @@ class ComponentRun {
     set_up_surface();
     const TracingGraph graph =
         without_edges(mesh, tracing_graph(mesh, lines, field, {}, context_), surface_.keep_out);
-    TraceParams trace;
-    trace.seeds = params_.seeds;
-    std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
-    laps_.lap(Stage::kTrace);
     const PathNetwork start = start_network(graph, field);
-    std::vector<std::unique_ptr<LayoutSearch>> searches;
-    searches.push_back(std::make_unique<LayoutSearch>(surface_, start, graph, std::move(candidates),
-                                                      search_params(), context_));
+    for (int seeds : params_.seeds) {
+      TraceParams trace;
+      trace.seeds = seeds;
+      add_lane(start, graph, trace_candidates(mesh, graph, field, trace, context_));
+    }
+    laps_.lap(Stage::kTrace);
     std::vector<ComponentResult> results;
     for (double e_max : tolerances) {
       params_.evaluation.e_max = e_max;
       if (!results.empty())
-        searches.push_back(std::make_unique<LayoutSearch>(*searches.back(), start, search_params()));
-      ComponentResult result = solve(*searches.back());
+        for (Lane& lane : lanes_) lane.again(start, search_params());
+      ComponentResult result = solve();
       if (!results.empty() && result.strips.patches.size() > results.back().strips.patches.size())
         result = as_coarser(results.back(), e_max, std::move(result));
       results.push_back(std::move(result));
@@ -125,6 +126,33 @@ class ComponentRun {
   }
 
  private:
+  // A search with its own copy of the surface, which it may move; several run side by side.
+  struct Lane {
+    SearchSurface surface;
+    RunContext context;
+    std::vector<std::unique_ptr<LayoutSearch>> searches;  // one a tolerance, with charts of those before
+    LayoutSearch& search() { return *searches.back(); }
+    void again(const PathNetwork& start, const SearchParams& params) {
+      searches.push_back(std::make_unique<LayoutSearch>(search(), start, params));
+    }
+  };
+
+  void add_lane(const PathNetwork& start, const TracingGraph& graph, std::vector<Path> candidates) {
+    Lane& lane = lanes_.emplace_back();
+    lane.surface = surface_;
+    lane.context = context_;
+    if (lanes_.size() > 1) lane.context.progress = nullptr;
+    lane.searches.push_back(std::make_unique<LayoutSearch>(lane.surface, start, graph, std::move(candidates),
+                                                           search_params(), lane.context));
+  }
+
+  void in_all_lanes(const std::function<void(LayoutSearch&)>& step) {
+    const int n = static_cast<int>(lanes_.size());
+    for (Lane& lane : lanes_) lane.context.threads = std::max(1, context_.threads / n);
+    parallel_for(context_, n, [&](int i) { step(lanes_[i].search()); });
+    for (Lane& lane : lanes_) lane.context.threads = context_.threads;
+  }
+
   void set_up_surface() {
     surface_.mesh = input_.prepared.mesh;
     surface_.versions.assign(surface_.mesh.points.size(), 0);
@@ -181,16 +209,21 @@ class ComponentRun {
   }
 
   // From the bare network to the strips; what is shared counts for the first tolerance.
-  ComponentResult solve(LayoutSearch& search) {
-    search.insert();
+  ComponentResult solve() {
+    in_all_lanes([](LayoutSearch& search) { search.insert(); });
     laps_.lap(Stage::kInsert);
-    reduce(search);
+    in_all_lanes([this](LayoutSearch& search) { reduce(search); });
+    lane_ = &*std::min_element(lanes_.begin(), lanes_.end(), [](Lane& a, Lane& b) {
+      return a.search().objective() < b.search().objective();
+    });
+    LayoutSearch& search = lane_->search();
+    improve(search);
     if (input_.half) search.straighten_plane();
     laps_.lap(Stage::kRemove);
     finish(search);
     laps_.lap(Stage::kFinal);
     result_.seconds = laps_.take();
-    result_.counts += search.evaluator().counts();
+    for (Lane& lane : lanes_) result_.counts += lane.search().evaluator().counts();
     return std::exchange(result_, {});
   }
 
@@ -214,19 +247,22 @@ class ComponentRun {
     return details;
   }
 
-  void reduce(LayoutSearch& search) {
+  void reduce(LayoutSearch& search) const {
     search.clear_regions();
     search.remove_paths();
-    if (params_.evaluation.t_junctions) {
-      search.smooth_what_allows();
-      search.remove_arches();
-      search.smooth_what_allows();
-      search.remove_arches();
-      search.improve(tries(search), params_.seed);
-      search.clear_regions();
-      search.smooth_what_allows();
-      search.remove_arches();
-    }
+    if (!params_.evaluation.t_junctions) return;
+    search.smooth_what_allows();
+    search.remove_arches();
+    search.smooth_what_allows();
+    search.remove_arches();
+  }
+
+  void improve(LayoutSearch& search) const {
+    if (!params_.evaluation.t_junctions) return;
+    search.improve(tries(search), params_.seed);
+    search.clear_regions();
+    search.smooth_what_allows();
+    search.remove_arches();
   }
 
   // Few parts are soon tried out.
@@ -289,7 +325,8 @@ class ComponentRun {
     fine.spacing = spacing;
     fine.sparsest = sparsest;
     fine.bounds = bounds;
-    FinalPass pass(surface_, search.network().network(), search.layout(), fine, search.evaluator(), context_);
+    FinalPass pass(lane_->surface, search.network().network(), search.layout(), fine, search.evaluator(),
+                   context_);
     Attempt best = best_of(pass, fine);
     result_.counts += pass.counts();
     return best;
@@ -398,7 +435,7 @@ class ComponentRun {
     while (kept < n) {
       FinishedLayout moved = reduced.finished;
       moved.source.points =
-          full_morph_places(surface_, layout, moved.evaluation, reduced.evaluation, keep, context_);
+          full_morph_places(lane_->surface, layout, moved.evaluation, reduced.evaluation, keep, context_);
       Attempt full = measured(moved);
       const std::vector<char> spoilt = spoilt_patches(full, reduced);
       if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {
@@ -435,7 +472,9 @@ class ComponentRun {
   std::shared_ptr<const ClosestPointTree> own_tree_;
   const ClosestPointTree& tree_;
   CurvatureField curvature_;
-  SearchSurface surface_;
+  SearchSurface surface_;  // as the lanes start from it
+  std::deque<Lane> lanes_;
+  Lane* lane_ = nullptr;  // the best
   ComponentResult result_;
   Laps laps_;
 };

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "sheetform/search/finish.h"
@@ -22,7 +24,7 @@ ComponentInput input_of(const TriangleSoup& soup) {
 ComponentParams params_of(double e_max) {
   ComponentParams params;
   params.evaluation.e_max = e_max;
-  params.seeds = 60;
+  params.seeds = {60};
   params.improvements = 4;
   return params;
 }
@@ -47,6 +49,21 @@ TEST(DecomposeComponent, KeepsItsPromises) {
               0.03 * 1.02);
     for (const char* stage : {"field", "trace", "insert", "remove", "final"})
       EXPECT_TRUE(result.seconds.count(stage)) << stage;
+  }
+}
+
+TEST(DecomposeComponent, GoesOnWithTheBestOfItsSearches) {
+  for (const TriangleSoup& soup : {shapes::torus(48, 24), shapes::saddle(24, 0.8)}) {
+    const ComponentInput input = input_of(soup);
+    ComponentParams params = params_of(0.02);
+    params.improvements = 0;
+    std::map<int, std::size_t> parts;  // by seeds; 0: both
+    for (int seeds : {60, 12, 0}) {
+      params.seeds = seeds == 0 ? std::vector<int>{60, 12} : std::vector<int>{seeds};
+      RunContext context;
+      parts[seeds] = decompose_component(input, params, context).strips.patches.size();
+    }
+    EXPECT_EQ(parts[0], std::min(parts[60], parts[12]));
   }
 }
 
