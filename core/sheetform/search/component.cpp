@@ -304,6 +304,7 @@ class ComponentRun {
     const SpacingBounds bounds = bounded ? params_.spacing : SpacingBounds{0, params_.spacing.most};
     const double fine = bounded ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
     Attempt best = build(search, fine, kSparsest, bounds);
+    if (must_split(best)) return best;
     for (double spacing = fine; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
       Attempt other = build(search, spacing, 1, bounds);
       if (rank(other) < rank(best)) best = std::move(other);
@@ -316,6 +317,14 @@ class ComponentRun {
       if (as_good && other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
+  }
+
+  // No outline helps a patch whose chart folds, or that is no disk.
+  static bool must_split(const Attempt& attempt) {
+    return std::any_of(attempt.invalid.begin(), attempt.invalid.end(), [&](int p) {
+      const PatchVerdict v = attempt.finished.evaluation.patches[p]->verdict;
+      return v == PatchVerdict::kFolded || v == PatchVerdict::kNotADisk || v == PatchVerdict::kTouches;
+    });
   }
 
   Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds) {
