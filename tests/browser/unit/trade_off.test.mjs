@@ -1,7 +1,7 @@
 // The curve of results, and the commands that make a result again.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { curve, relatives, results, sweepOf } from "../../../web/src/result/trade_off.js";
+import { curve, missingOf, relatives, results, stepOf, sweepOf, sweepTolerances } from "../../../web/src/result/trade_off.js";
 import { asAsked } from "../../../web/src/variants.js";
 import { askedFor, commands } from "../../../web/src/ui/reproduce.js";
 
@@ -97,6 +97,23 @@ it("knows the sweep that need not be asked for again", () => {
   assert.equal(sweepOf(a, [a, sweep("s", [0.01], { status: "failed" })]), null);
   assert.equal(sweepOf(a, [a, sweep("s", [0.01], { status: "running" })]).jobID, "s");
   assert.equal(sweepOf(a, [sweep("s", [0.01], { parameters: { t_junctions: false } })]), null);
+});
+
+it("knows what a sweep whose time ran out has not found, until another one has", () => {
+  const a = job("a", 0.02, 0.018, 9);
+  const partial = sweep("s", [0.01, 0.015]);
+  partial.report.missing = [0.025, 0.04];
+  assert.deepEqual(missingOf(a, [a, partial]), [0.04, 0.025]);
+  assert.deepEqual(missingOf(a, [a, partial, sweep("t", [0.04])]), [0.025]);
+  assert.deepEqual(missingOf(a, [a, partial, sweep("t", [0.025, 0.04])]), []);
+  assert.deepEqual(missingOf(a, [a, sweep("s", [0.01])]), []);
+  assert.equal(stepOf({ message: "tolerance 2 of 5, checking" }), "2 of 5");
+  assert.equal(stepOf({ message: "waits" }), "");
+});
+
+it("looks closer only where one has asked for more", () => {
+  assert.equal(Math.min(...sweepTolerances(job("a", 0.02))), 0.01);
+  assert.equal(Math.min(...sweepTolerances(job("a", 0.006))), 0.006);
 });
 
 it("asks again with size and tolerance as they were in force", () => {

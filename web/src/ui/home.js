@@ -142,7 +142,7 @@ function thumbnail(job, urls) {
 
 function subtitle(job) {
   const when = ago(job.created);
-  if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report?.curve ?? [])} · ${when}`;
+  if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report ?? {})} · ${when}`;
   if (job.status === "successful") {
     const { patches, hausdorff } = job.report ?? {};
     return [
@@ -160,11 +160,12 @@ function subtitle(job) {
   return `cancelled · ${when}`;
 }
 
-/** A sweep in words: "6 tolerances, 4 to 31 parts". */
-function rangeOf(curve) {
+/** A sweep in words: "6 tolerances, 4 to 31 parts"; when its time ran out, "4 of 6 tolerances". */
+function rangeOf({ curve = [], missing = [] }) {
   const parts = curve.map(({ patches }) => patches);
   const [least, most] = [Math.min(...parts), Math.max(...parts)];
-  return `${count(curve.length, "tolerance")}, ${least < most ? `${least} to ${most}` : least} parts`;
+  const done = missing.length > 0 ? `${curve.length} of ` : "";
+  return `${done}${count(curve.length + missing.length, "tolerance")}, ${least < most ? `${least} to ${most}` : least} parts`;
 }
 
 function errorText(job, hausdorff) {

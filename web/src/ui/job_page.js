@@ -6,7 +6,7 @@ import { count, duration, millimetres } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
 import { recall } from "../prefs.js";
-import { isSweep } from "../result/trade_off.js";
+import { isSweep, stepOf } from "../result/trade_off.js";
 import { asAsked, scaleOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
@@ -139,7 +139,7 @@ class JobPage {
         ? `Waits: number ${job.queuePosition} in the queue`
         : "Starts in a moment"
       : isSweep(job)
-        ? "Comparing tolerances"
+        ? `Comparing tolerances ${stepOf(job)}`
         : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
     percentText.textContent = waiting ? "" : `${job.progress} %`;

@@ -2,7 +2,7 @@
 import { freshId, h, replace, s } from "../dom.js";
 import { count, metres, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { COSTS, SWEEP, curve, sweepOf } from "../result/trade_off.js";
+import { COSTS, curve, missingOf, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
 import { startSweep } from "../variants.js";
 import { problemBox } from "./problem.js";
 
@@ -22,15 +22,17 @@ export function tradeOff(job, scale, stops) {
     replace(chart, draw(curve(mine, all, measure), mine, scale, measure));
     if (held) chart.querySelector(`a[href="${focus}"]`)?.focus();
     const sweep = sweepOf(mine, all);
+    const missing = missingOf(mine, all);
     if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
+    else if (missing.length > 0) replace(controls, missingButton(missing, sending, start));
     else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
-    else replace(controls, startButton(sending, start));
+    else replace(controls, startButton(sweepTolerances(mine), sending, start));
   };
-  async function start() {
+  async function start(tolerances) {
     sending = true;
     update();
     try {
-      await startSweep(job, SWEEP);
+      await startSweep(job, tolerances);
       replace(note);
     } catch (error) {
       replace(note, problemBox(error));
@@ -55,23 +57,42 @@ export function tradeOff(job, scale, stops) {
   );
 }
 
-function startButton(sending, start) {
+function startButton(tolerances, sending, start) {
   return [
-    h("button", { type: "button", disabled: sending, onclick: start }, "Compare tolerances"),
-    h("p", { class: "hint" }, `Also makes it for ${SWEEP.length} tolerances from coarse to fine. Then choose a point.`),
+    h("button", { type: "button", disabled: sending, onclick: () => start(tolerances) }, "Compare tolerances"),
+    h(
+      "p",
+      { class: "hint" },
+      `Also makes it for ${tolerances.length} tolerances from coarse to fine. Then choose a point.`,
+    ),
+  ];
+}
+
+/** The time of a sweep ran out: what it found is there, the rest can be asked for. */
+function missingButton(missing, sending, start) {
+  const rest = missing.map((e_max) => percent(e_max)).join(", ");
+  return [
+    h("p", {}, `Time ran out before ${rest} ${missing.length === 1 ? "was" : "were"} done. The points shown are complete.`),
+    h(
+      "button",
+      { type: "button", disabled: sending, onclick: () => start(missing) },
+      missing.length === 1 ? "Make the missing one" : `Make the ${missing.length} missing ones`,
+    ),
   ];
 }
 
 /** The bar stays the same element while it grows. */
 function showProgress(controls, sweep) {
   const bar = controls.querySelector("progress");
+  const text = `Comparing tolerances … ${stepOf(sweep)}`;
   if (bar) {
     bar.value = sweep.progress;
+    controls.querySelector(".busy").textContent = text;
     return;
   }
   replace(
     controls,
-    h("p", { class: "busy" }, "Comparing tolerances …"),
+    h("p", { class: "busy" }, text),
     h(
       "div",
       { class: "row sweeping" },
