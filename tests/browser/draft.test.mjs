@@ -1,24 +1,14 @@
 // Choosing: a quick draft first, then the real thing; other tolerances as a curve whose points open their results.
 import assert from "node:assert/strict";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { it } from "node:test";
 import { tubeStl } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
-let browser;
 let window;
 let page;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server } = made));
+inWindow(stand, (made) => ({ window, page } = made));
 
 const shownJob = async () => {
   const id = new URL(page.url()).hash.slice(5);

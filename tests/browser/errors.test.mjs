@@ -1,24 +1,15 @@
 // What goes wrong is said in words: what, where, and what to do.
 import assert from "node:assert/strict";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { it } from "node:test";
 import { finned, flatLine, letter, tubeStl } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
 let browser;
 let window;
 let page;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server, browser } = made));
+inWindow(stand, (made) => ({ window, page } = made));
 
 it("a letter is not a mesh, and the page says so before anything is sent", async () => {
   await window.goto();

@@ -38,7 +38,9 @@ export class Stage {
     this.selectionListeners = new Set();
     this.drag = null;
     this.start3d();
-    this.view3d.append(this.labels, this.left, this.tools, this.message);
+    // The tools that say what the keys on the canvas do come before it.
+    this.view3d.prepend(this.left);
+    this.view3d.append(this.labels, this.tools, this.message);
     this.host3d.append(this.bottom);
     this.listenToDivider();
     onThemeChange(() => this.recolor());
@@ -137,6 +139,7 @@ export class Stage {
     const pen = new Pen(this.viewport, this.input, {
       onPreview: (strokes) => this.drawn.update(strokes),
       onStrokes: (strokes) => guides.add(...strokes),
+      scale: () => this.scale,
     });
     const tools = drawTools(pen, guides, () => this.scale);
     replace(this.left, tools.element);

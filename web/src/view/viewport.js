@@ -25,8 +25,8 @@ export class Viewport {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: "low-power" });
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", label);
+    this.usual = { role: "img", label };
+    this.setUse(null);
     this.canvas.className = "canvas3d";
     host.append(this.canvas);
 
@@ -49,6 +49,13 @@ export class Viewport {
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
     this.home();
+  }
+
+  /** What it is to a screen reader: {role, label}; null = as it was made. */
+  setUse(use) {
+    const { role, label } = use ?? this.usual;
+    this.canvas.setAttribute("role", role);
+    this.canvas.setAttribute("aria-label", label);
   }
 
   addLights() {
