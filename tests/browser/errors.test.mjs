@@ -45,10 +45,10 @@ it("a number out of range is refused where it is typed", async () => {
   await window.goto("#");
   await page.locator("#file").setInputFiles(tubeStl());
   await page.getByText("More settings").click();
-  await page.getByLabel("Largest number of sides").fill("9");
+  await page.getByLabel("Most sides of a part").fill("9");
   await page.getByText("At most 6 is allowed.").waitFor();
   assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isDisabled());
-  await page.getByLabel("Largest number of sides").fill("5");
+  await page.getByLabel("Most sides of a part").fill("5");
   assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isEnabled());
   await page.getByText("More settings").click();
 });

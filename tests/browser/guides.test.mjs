@@ -1,6 +1,10 @@
 // Seams and areas without seams, drawn on the shape: with a mouse, with a finger, taken back by keys, followed by the
 // result, kept by the next job.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
 import { describe, it } from "node:test";
 import { tubeStl } from "./support/meshes.mjs";
 import { PHONE, inWindow, onServer } from "./support/stand.mjs";
@@ -11,10 +15,11 @@ const HEIGHT = 100;
 let server;
 const stand = onServer((made) => ({ server } = made));
 
+const tube = () => tubeStl("tube.stl", { radius: RADIUS, height: HEIGHT, around: 64, up: 24 });
+
 async function openTube(window) {
   await window.goto();
-  const tube = tubeStl("tube.stl", { radius: RADIUS, height: HEIGHT, around: 64, up: 24 });
-  await window.page.locator("#file").setInputFiles(tube);
+  await window.page.locator("#file").setInputFiles(tube());
   await window.page.getByRole("button", { name: "Make the sheets" }).waitFor();
 }
 
@@ -104,6 +109,23 @@ describe("with a mouse", () => {
     await page.getByRole("checkbox", { name: "Your mesh" }).check();
     await page.waitForTimeout(300);
     await window.shot("guides-2-result");
+  });
+
+  it("gives commands that make the same job again, drawing included", async () => {
+    const first = await guidesOf(page);
+    await page.getByRole("tab", { name: "Files" }).click();
+    await page.getByText("Make it again").click();
+    const command = (name) => page.getByRole("group", { name }).innerText();
+    const folder = await mkdtemp(path.join(tmpdir(), "sheetform-again-"));
+    await writeFile(path.join(folder, "tube.stl"), tube().buffer);
+    const run = (line) => execFileSync("/bin/sh", ["-c", line.replace(/^curl/, "curl -sS --fail")], { cwd: folder });
+    run(await command("Fetch it"));
+    const again = JSON.parse(run(await command("Over HTTP")));
+    await rm(folder, { recursive: true });
+    assert.equal(again.reusedFrom, first.id, "the same mesh, drawing and settings");
+    const guides = await (await fetch(`${server.url}api/v1/jobs/${again.jobID}/guides`)).json();
+    assert.deepEqual(guides, first.guides);
+    await page.getByRole("tab", { name: "Result" }).click();
   });
 
   it("keeps them when the job is run again with other settings", async () => {

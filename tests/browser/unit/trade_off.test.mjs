@@ -141,8 +141,20 @@ it("writes commands with what differs from the defaults, safely quoted", () => {
   assert.equal(terminal, "sheetform decompose 'my owl.stl' -o 'my owl' --e-max 0.02 --t-junctions off");
   assert.equal(
     curl,
-    "curl --data-binary @'my owl.stl' 'http://127.0.0.1:8080/api/v1/processes/decompose/execution?e_max=0.02&t_junctions=off'",
+    "curl --data-binary '@my owl.stl' 'http://127.0.0.1:8080/api/v1/processes/decompose/execution?e_max=0.02&t_junctions=off'",
   );
   const evil = job("a", 0.02, 0, 0, { inputs: { mesh: { name: "x'; rm -rf ~; '.stl" } } });
   assert.match(commands(evil, process, "http://h").terminal, /'x'\\''; rm -rf ~; '\\''\.stl'/);
+});
+
+it("takes what was drawn into the commands", () => {
+  const process = { inputs: {} };
+  const links = [{ rel: "guides", href: "/api/v1/jobs/a/guides" }];
+  const drawn = (name) => commands(job("a", 0.02, 0, 0, { links, inputs: { mesh: { name } } }), process, "http://h:8");
+  const { guides, terminal, curl } = drawn("owl.stl");
+  assert.equal(guides, "curl -o guides.json http://h:8/api/v1/jobs/a/guides");
+  assert.match(terminal, / --guides guides\.json$/);
+  assert.match(curl, /^curl -F mesh=@owl\.stl -F guides=@guides\.json 'http:\/\/h:8\/api\/v1\/processes\/decompose\/execution\?/);
+  assert.match(drawn('a, "b".stl').curl, /-F 'mesh=@"a, \\"b\\"\.stl"'/);
+  assert.equal(commands(job("a", 0.02, 0, 0), process, "http://h").guides, null);
 });
