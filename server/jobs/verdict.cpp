@@ -20,7 +20,7 @@ api::Problem problem(api::ProblemType type, std::string detail, std::string fix)
   return p;
 }
 
-constexpr const char* kLess = "simplify the mesh, raise e_max, or choose less effort";
+constexpr const char* kLess = "simplify the mesh, allow a larger tolerance (e_max), or choose less effort";
 
 api::Problem too_long(const ServiceLimits& limits) {
   return problem(api::ProblemType::kTimeLimit,

@@ -54,6 +54,9 @@ it("shows every parameter once, those that are chosen elsewhere never", () => {
   assert.equal(titleOf("brand_new"), "Brand new");
   assert.equal(wordOf("sheet_size", "a4"), "A4");
   assert.equal(wordOf("sheet_size", "600x400"), "600 × 400 mm");
+  assert.match(wordOf("profile", "makerspace"), /red cuts/);
+  assert.equal(wordOf("profile", "of-this-workshop"), "of-this-workshop");
+  assert.equal(wordOf("rulings", "none"), "none");
 });
 
 it("asks only for what differs from the defaults", () => {

@@ -30,11 +30,30 @@ export function titleOf(name) {
   return TITLES[name] ?? words[0].toUpperCase() + words.slice(1);
 }
 
+/** What the server's words stand for. */
+const WORDS = {
+  profile: {
+    makerspace: "Laser: red cuts, blue scores",
+    lightburn: "Laser with LightBurn",
+    boxes: "Laser, colours of boxes.py",
+    ponoko: "Ponoko (online shop)",
+    silhouette: "Cutting plotter (Silhouette)",
+    inventor: "Sheet metal (Inventor layers)",
+    astm: "Fabric cutter (ASTM)",
+    origami: "Origami Simulator",
+    print: "Printer and scissors",
+  },
+  oversize: { refuse: "say so", split: "split it" },
+  tabs: { one: "on one side", alternate: "in turns", both: "on both sides" },
+  rulings: { score: "scored", perforation: "perforated", ticks: "ticks at the ends" },
+};
+
 /** A value as people write it: A4, 600 × 400 mm, LightBurn's own names as they are. */
 export function wordOf(name, value) {
   if (name === "sheet_size" && value === "auto") return "as large as needed";
   if (name === "page" && value === "sheet") return "one a sheet";
-  if (name === "oversize") return { refuse: "say so", split: "split it" }[value] ?? value;
+  const word = WORDS[name]?.[value];
+  if (word) return word;
   if (/^a\d$/.test(value)) return value.toUpperCase();
   return value.replace(/^(\d+)x(\d+)$/, "$1 × $2 mm") || "none";
 }

@@ -1,5 +1,4 @@
 // The first thing one sees: where to drop a mesh, shapes to try, and one's jobs.
-import { fileHref } from "../api.js";
 import { h, replace } from "../dom.js";
 import { ACCEPTED, drafts } from "../drafts.js";
 import { ago, count, millimetres, percent } from "../format.js";
@@ -8,6 +7,7 @@ import { SAMPLES, sampleFile } from "../mesh/samples.js";
 import { pictureOf } from "../prefs.js";
 import { isSweep } from "../result/trade_off.js";
 import { scaleOf } from "../variants.js";
+import { cutPicture } from "./cut_picture.js";
 import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 
@@ -136,7 +136,7 @@ function thumbnail(job, urls) {
   // Another device, or a forgetful browser: the cut drawing is a picture, too.
   if (isSweep(job) && job.status === "successful") return icon("curve", 34);
   if (job.status === "successful")
-    return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
+    return cutPicture(job.jobID);
   return icon(job.status === "failed" ? "warn" : "cube", 34);
 }
 

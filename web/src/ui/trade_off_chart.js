@@ -24,7 +24,7 @@ export function tradeOff(job, scale, stops) {
     const sweep = sweepOf(mine, all);
     const missing = missingOf(mine, all);
     if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
-    else if (missing.length > 0) replace(controls, missingButton(missing, sending, start));
+    else if (missing.length > 0) replace(controls, missingButton(missing, diagonalOf(mine, scale), sending, start));
     else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
     else replace(controls, startButton(sweepTolerances(mine), sending, start));
   };
@@ -69,10 +69,11 @@ function startButton(tolerances, sending, start) {
 }
 
 /** The time of a sweep ran out: what it found is there, the rest can be asked for. */
-function missingButton(missing, sending, start) {
-  const rest = missing.map((e_max) => percent(e_max)).join(", ");
+function missingButton(missing, diagonal, sending, start) {
+  const words = missing.map((e_max) => (diagonal ? millimetres(e_max * diagonal) : percent(e_max)));
+  const rest = [words.slice(0, -1).join(", "), words.at(-1)].filter(Boolean).join(" and ");
   return [
-    h("p", {}, `Time ran out before ${rest} ${missing.length === 1 ? "was" : "were"} done. The points shown are complete.`),
+    h("p", {}, `Time ran out before ${rest} ${missing.length === 1 ? "was" : "were"} looked at. Every point shown is complete.`),
     h(
       "button",
       { type: "button", disabled: sending, onclick: () => start(missing) },
@@ -121,9 +122,12 @@ function measures(choose) {
   );
 }
 
+/** In millimetres; 0 when it is not known. */
+const diagonalOf = (job, scale) => (job.inputs?.mesh?.bboxDiagonal ?? 0) * scale;
+
 function draw(points, job, scale, measure) {
   if (points.length === 0) return h("p", { class: "hint" }, "The curve appears with the first result.");
-  const diagonal = (job.inputs?.mesh?.bboxDiagonal ?? 0) * scale;
+  const diagonal = diagonalOf(job, scale);
   // Lengths in metres of the finished object, or in diagonals where the size is not known.
   const unit = measure === "cut" && diagonal ? diagonal / 1000 : 1;
   const most = Math.max(...points.map((p) => p.cost * unit), measure === "parts" ? 2 : 0);

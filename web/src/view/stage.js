@@ -58,7 +58,7 @@ export class Stage {
       return;
     }
     this.viewport.onFrame((what, width, height) => {
-      if (what === "resize") for (const shown of [this.result, this.drawn]) shown?.setResolution(width, height);
+      if (what === "resize") for (const shown of [this.result, this.drawn, this.input]) shown?.setResolution(width, height);
       this.placeLabels();
     });
     this.pickSoon = oncePerFrame((event) => this.hover(this.under(event)));
@@ -106,6 +106,7 @@ export class Stage {
     this.element.classList.remove("empty");
     if (!this.viewport) return;
     this.input = new InputObject(mesh);
+    this.input.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
     this.input.markPlaces(places);
     this.viewport.root.add(this.input.group);
     this.viewport.setUp(up);
@@ -193,17 +194,17 @@ export class Stage {
       {
         type: "button",
         class: "tool",
-        title: "Which axis points up",
+        title: "Lies on its side? Choose the axis that points up",
         onclick: () => {
           this.up = this.up === "z" ? "y" : "z";
           this.viewport.setUp(this.up);
           this.setScale(this.scale);
-          up.lastChild.textContent = `${this.up} up`;
+          up.lastChild.textContent = `Up: ${this.up}`;
           onUp?.(this.up);
         },
       },
       icon("cube", 18),
-      h("span", {}, `${this.up} up`),
+      h("span", {}, `Up: ${this.up}`),
     );
     const fit = h(
       "button",
