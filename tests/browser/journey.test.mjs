@@ -197,5 +197,15 @@ describe("on a phone", () => {
     }
   });
 
+  it("fits the shape into the window when a link leads to it", async () => {
+    await page.getByRole("tab", { name: "Shape" }).click();
+    await page.getByRole("button", { name: "Show all" }).click();
+    const fitted = await page.locator(".view3d").screenshot();
+    await page.reload();
+    await window.ready();
+    const opened = await page.locator(".view3d").screenshot();
+    assert.ok(opened.equals(fitted), "the first view is another one");
+  });
+
   it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
 });

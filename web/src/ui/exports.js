@@ -141,8 +141,10 @@ class ExportPanel {
     const print = this.values.profile === "print" && each.find((one) => one.format === "pdf");
     this.element.classList.toggle("nothing", !good);
     const link = (format) => (good ? { href: this.href(format), download: "" } : {});
-    const quick = [...each, ...(print && all ? [all] : [])].filter(({ format }) => QUICK.includes(format) && format !== print?.format);
-    const first = print ? { format: "pdf", title: "PDF to print" } : all && { format: "zip", title: "Everything as ZIP" };
+    const first = print
+      ? { format: "pdf", title: "PDF to print" }
+      : all && { format: "zip", title: "Everything as ZIP" };
+    const quick = this.formats.filter(({ format }) => QUICK.includes(format) && format !== first?.format);
     replace(
       this.archive,
       first && h("a", { class: "button primary wide", ...link(first.format) }, icon("download"), first.title),

@@ -34,6 +34,7 @@ export class Viewport {
     this.root = new Group(); // turned so that the model's up axis is the world's y
     this.scene.add(this.root);
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 100);
+    this.lastAspect = this.camera.aspect; // what is fitted before the window has a size is fitted for this
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -124,7 +125,7 @@ export class Viewport {
   }
 
   keepDistance() {
-    if (this.lastAspect && this.lastAspect !== this.camera.aspect) {
+    if (this.lastAspect !== this.camera.aspect) {
       const aspect = this.camera.aspect;
       this.camera.aspect = this.lastAspect;
       const factor = this.camera.position.distanceTo(this.controls.target) / this.distanceFor(this.radius);
