@@ -27,6 +27,17 @@ it("takes results of the same mesh and the same way of cutting", () => {
   );
 });
 
+it("knows a size however it was asked for", () => {
+  const mesh = { sha256: "m", scale: 12.5 };
+  const a = job("a", 0.02, 0.018, 9, { inputs: { mesh }, parameters: { scale: 1, target_size: 300 } });
+  const same = job("b", 0.05, 0.04, 4, { inputs: { mesh }, parameters: { scale: 12.5 } });
+  const other = job("c", 0.05, 0.04, 4, { inputs: { mesh: { ...mesh, scale: 25 } }, parameters: { scale: 25 } });
+  assert.deepEqual(
+    relatives(a, [a, same, other]).map((one) => one.jobID),
+    ["a", "b"],
+  );
+});
+
 it("marks what no other result beats", () => {
   const all = [
     job("a", 0.02, 0.018, 9),

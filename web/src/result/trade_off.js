@@ -10,11 +10,15 @@ export const sweepTolerances = (job) => (job.parameters?.e_max < 0.008 ? [...SWE
 
 export const isSweep = (job) => job.processID === "sweep";
 
-/** Parameters that make two jobs comparable: all but the tolerance, the effort and the seed. */
+/**
+ * What makes two jobs comparable: the mesh, its size however it was asked for, and all parameters but the tolerance, the
+ * effort and the seed.
+ */
 function family(job) {
-  const { e_max, e_max_mm, effort, seed, ...rest } = job.parameters ?? {};
-  void [e_max, e_max_mm, effort, seed];
-  return `${job.inputs?.mesh?.sha256} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
+  const { e_max, e_max_mm, effort, seed, target_size, scale, ...rest } = job.parameters ?? {};
+  void [e_max, e_max_mm, effort, seed, target_size];
+  const { sha256, scale: inForce = scale ?? 1 } = job.inputs?.mesh ?? {};
+  return `${sha256} ${Number(inForce).toPrecision(9)} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
 }
 
 /** The jobs of the same mesh and parameters as `job`, itself included. */
