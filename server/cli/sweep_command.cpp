@@ -38,8 +38,7 @@ std::vector<double> tolerances(const std::string& text) {
 
 void print_curve(const SweepOutcome& outcome) {
   std::printf("%10s %8s %12s %12s\n", "tolerance", "parts", "cut length", "distance");
-  for (const SweepStep& step : outcome.steps) {
-    const api::Json& r = step.outcome.report;
+  for (const api::Json& r : outcome.curve) {
     std::printf("%10s %8d %12.3f %12s%s\n", percent(r.value("e_max", 0.0)).c_str(), r.value("patches", 0),
                 r.value("cut_length", 0.0), percent(r.value("hausdorff", 0.0)).c_str(),
                 r.value("e_max_met", false) ? "" : "  NOT met");
@@ -79,10 +78,12 @@ int sweep_command(const ParsedLine& line) {
   ProgressDisplay display(stderr, ::isatty(STDERR_FILENO) == 1, line.has("--quiet"));
   RunContext context = context_for(line, display);
   const std::string bytes = read_run_input(line);
+  std::vector<SweepStep> steps;
   const SweepOutcome outcome =
-      run_sweep(bytes, std::filesystem::path(path).filename().string(), parameters, e_max, context);
+      run_sweep(bytes, std::filesystem::path(path).filename().string(), parameters, e_max, context,
+                [&](SweepStep step) { steps.push_back(std::move(step)); });
   write_files(folder, outcome.files);
-  for (const SweepStep& step : outcome.steps)
+  for (const SweepStep& step : steps)
     write_files(std::filesystem::path(folder) / step.point, step.outcome.files);
   display.finish();
   print_curve(outcome);

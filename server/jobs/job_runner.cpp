@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPersistEvery = 5;     // percent; finer progress is live only
+constexpr int kHandOver = 10;        // seconds for a sweep whose time is up to hand over what it has
 constexpr int kPublishAgain = 2000;  // milliseconds until a result that the store refused is tried again
 
 /// A folder that is gone when its owner is.
@@ -95,9 +96,11 @@ ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int inpu
   task.request.threads = l.threads;
   task.request.memory = l.job_memory;
   task.request.file_bytes = l.result_bytes;
-  task.request.cpu_seconds = l.job_seconds * l.threads + 10;
+  const int more = task.request.mode == WorkerMode::kSweep ? kHandOver : 0;
+  if (more > 0) task.request.wall_seconds = l.job_seconds;
+  task.request.cpu_seconds = (l.job_seconds + more) * l.threads + 10;
   task.request.sandbox = parts.sandbox;
-  task.wall = std::chrono::seconds(l.job_seconds);
+  task.wall = std::chrono::seconds(l.job_seconds + more);
   task.stall = std::chrono::seconds(l.stall_seconds);
   task.stop = &stop;
   return task;
@@ -138,8 +141,13 @@ std::vector<StoredOutput> store_outputs(const RunnerParts& parts, int folder,
 }
 
 std::string summary_of(const api::Json& report) {
-  if (const auto curve = report.find("curve"); curve != report.end())
-    return "curve of " + std::to_string(curve->size()) + (curve->size() == 1 ? " tolerance" : " tolerances");
+  if (const auto curve = report.find("curve"); curve != report.end()) {
+    const std::size_t missing = report.value("missing", api::Json::array()).size();
+    const std::size_t all = curve->size() + missing;
+    return "curve of " + (missing > 0 ? std::to_string(curve->size()) + " of " : std::string()) +
+           std::to_string(all) + (all == 1 ? " tolerance" : " tolerances") +
+           (missing > 0 ? ", time ran out" : "");
+  }
   const int parts = report.value("patches", 0);
   return std::to_string(parts) + (parts == 1 ? " part" : " parts") +
          (report.value("e_max_met", true) ? "" : ", tolerance not met everywhere");

@@ -123,6 +123,12 @@ std::string report_of_point(const JobRecord& sweep, const std::string& point) {
                 "see `curve` in its report for the points");
 }
 
+/// Whether a job with the same key may be answered with the result of this one: a sweep whose time ran out
+/// may find more the next time.
+bool complete(const JobRecord& job) {
+  return job.process != api::kSweep || !parsed_or_null(job.report).contains("missing");
+}
+
 /// Its result is found again under a key of its own: but for the finest one, it need not be the one that a
 /// job with that tolerance alone would have found.
 NewJob point_of_sweep(const JobRecord& sweep, const std::string& point, Microseconds keep) {
@@ -256,7 +262,7 @@ Submitted JobService::accept(Upload& upload, const Submission& s, const std::str
   std::optional<JobRecord> accepted;
   if (!s.refresh)
     if (const std::optional<JobRecord> source = jobs_.find_reusable(s.principal, job.reuse_key))
-      accepted = jobs_.accept_reused(job, source->id);
+      if (complete(*source)) accepted = jobs_.accept_reused(job, source->id);
   if (!accepted) accepted = jobs_.accept(job);
   bus_.publish(job.id);
   pool_.wake();

@@ -20,6 +20,13 @@ api::Problem problem(api::ProblemType type, std::string detail, std::string fix)
   return p;
 }
 
+constexpr const char* kLess = "simplify the mesh, allow a larger tolerance (e_max), or choose less effort";
+
+api::Problem too_long(const ServiceLimits& limits) {
+  return problem(api::ProblemType::kTimeLimit,
+                 "the job took longer than " + std::to_string(limits.job_seconds) + " s", kLess);
+}
+
 Verdict failure(std::string outcome, Requeue counted_as, api::Problem what) {
   Verdict v;
   v.action = Action::kFail;
@@ -54,8 +61,7 @@ Verdict after_signal(int signal, const JobRecord& job, const std::string& stage,
                      const ServiceLimits& limits) {
   if (signal == SIGXCPU)
     return failure("time", Requeue::kError,
-                   problem(api::ProblemType::kTimeLimit, "the job used up its processor time",
-                           "simplify the mesh, raise e_max, or choose less effort"));
+                   problem(api::ProblemType::kTimeLimit, "the job used up its processor time", kLess));
   const std::string where = stage.empty() ? std::string("before its first stage") : "in stage " + stage;
   if (signal == SIGKILL)  // not by us: the machine ran out of memory
     return again("memory", Requeue::kCrash, job.crashes, limits.crashes,
@@ -78,6 +84,8 @@ Verdict after_exit(int status, const std::optional<api::Problem>& told, bool has
     v.outcome = "success";
     return v;
   }
+  if (told && told->type == api::ProblemType::kTimeLimit)  // a sweep watches the clock itself
+    return failure("time", Requeue::kError, too_long(limits));
   if (status == kExitInput && told) return failure("refused", Requeue::kError, *told);
   if (status == kExitMemory)
     return failure("memory", Requeue::kError,
@@ -120,14 +128,12 @@ Verdict judge_attempt(const ChildReport& report, const std::optional<api::Proble
     case ChildEnding::kStopped:
       return after_stop(reason, job, limits);
     case ChildEnding::kTimedOut:
+      return failure("time", Requeue::kError, too_long(limits));
     case ChildEnding::kStalled:
       return failure(
           "time", Requeue::kError,
           problem(api::ProblemType::kTimeLimit,
-                  report.ending == ChildEnding::kStalled
-                      ? "the job made no progress for " + std::to_string(limits.stall_seconds) + " s"
-                      : "the job took longer than " + std::to_string(limits.job_seconds) + " s",
-                  "simplify the mesh, raise e_max, or choose less effort"));
+                  "the job made no progress for " + std::to_string(limits.stall_seconds) + " s", kLess));
     case ChildEnding::kFlooded:
       return failure(
           "failed", Requeue::kError,

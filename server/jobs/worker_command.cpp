@@ -149,27 +149,27 @@ void decompose_job(const WorkerRequest& request) {
   send_result(std::move(result));
 }
 
-/// The curve, then the files of each point under names that begin with it. The report of each point is kept
-/// whole: it becomes that of a job when the point is opened.
+/// The files of each point as soon as it is found, under names that begin with it; then the curve. When the
+/// time is up, what was found until then is the result.
 void sweep_job(const WorkerRequest& request) {
   const MappedInput input(kInputDescriptor);
   RunContext context = context_of(request);
-  const SweepOutcome outcome =
-      run_sweep(input.bytes(), request.name, request.parameters,
-                request.parameters.at(api::kTolerance).get<std::vector<double>>(), context);
+  if (request.wall_seconds > 0)
+    context.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(request.wall_seconds);
   WorkerMessage::Result result;
+  const SweepOutcome outcome = run_sweep(
+      input.bytes(), request.name, request.parameters,
+      request.parameters.at(api::kTolerance).get<std::vector<double>>(), context, [&](SweepStep step) {
+        for (OutputFile& file : step.outcome.files)
+          hand_over({api::point_file(step.point, file.name), file.media_type, std::move(file.content)},
+                    result);
+      });
+  context.deadline.reset();
+  context.report(Stage::kWrite, 0);
   for (const OutputFile& file : outcome.files) hand_over(file, result);
-  api::Json curve = api::Json::array();
-  for (const SweepStep& step : outcome.steps) {
-    for (const OutputFile& file : step.outcome.files)
-      hand_over({api::point_file(step.point, file.name), file.media_type, file.content}, result);
-    api::Json point = step.outcome.report;
-    point["point"] = step.point;
-    point["notes"] = step.outcome.notes;
-    curve.push_back(std::move(point));
-  }
-  result.report = {{"curve", std::move(curve)}};
-  result.notes = api::Json::array();
+  result.report = {{"curve", outcome.curve}};
+  if (!outcome.missing.empty()) result.report["missing"] = outcome.missing;
+  result.notes = outcome.notes;
   send_result(std::move(result));
 }
 

@@ -81,6 +81,7 @@ std::string to_text(const WorkerRequest& r) {
                         {"memory", r.memory},
                         {"fileBytes", r.file_bytes},
                         {"cpuSeconds", r.cpu_seconds},
+                        {"wallSeconds", r.wall_seconds},
                         {"sandbox", r.sandbox}});
 }
 
@@ -96,6 +97,7 @@ WorkerRequest worker_request_from(const std::string& text) {
   r.memory = value.at("memory");
   r.file_bytes = value.at("fileBytes");
   r.cpu_seconds = value.at("cpuSeconds");
+  r.wall_seconds = value.value("wallSeconds", 0);
   r.sandbox = value.at("sandbox");
   return r;
 }

@@ -28,6 +28,7 @@ struct WorkerRequest {
   int threads = 1;
   std::uint64_t memory = 0, file_bytes = 0;
   int cpu_seconds = 0;
+  int wall_seconds = 0;  ///< after which a sweep ends with what it has; 0: none
   bool sandbox = true;
 };
 std::string to_text(const WorkerRequest& request);

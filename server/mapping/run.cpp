@@ -112,31 +112,44 @@ Outcome outcome_of(const Decomposition& d, const std::vector<std::string>& notes
   return outcome;
 }
 
-/// The curve of a sweep as a table and as JSON, by ascending tolerance.
-std::vector<OutputFile> curve_of(const std::vector<SweepStep>& steps) {
+/// The curve of a sweep as a table and as JSON.
+std::vector<OutputFile> files_of(const SweepOutcome& sweep) {
   constexpr std::array<const char*, 7> kColumns{"e_max",     "patches",       "cut_length", "border_length",
                                                 "hausdorff", "mean_distance", "e_max_met"};
-  std::vector<const SweepStep*> order;
-  for (const SweepStep& step : steps) order.push_back(&step);
-  const auto e_max = [](const SweepStep* s) { return s->outcome.report.at("e_max").get<double>(); };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](const SweepStep* a, const SweepStep* b) { return e_max(a) < e_max(b); });
   std::string csv = "point";
   for (const char* column : kColumns) csv += std::string(",") + column;
   csv += "\r\n";
   api::Json curve = api::Json::array();
-  for (const SweepStep* step : order) {
-    api::Json point{{"point", step->point}};
-    csv += step->point;
+  for (const api::Json& report : sweep.curve) {
+    api::Json point{{"point", report.at("point")}};
+    csv += report.at("point").get<std::string>();
     for (const char* column : kColumns) {
-      point[column] = step->outcome.report.at(column);
+      point[column] = report.at(column);
       csv += "," + point[column].dump();
     }
     csv += "\r\n";
     curve.push_back(std::move(point));
   }
-  const api::Json json{{"schema", "sheetform-sweep/1"}, {"curve", std::move(curve)}};
+  api::Json json{{"schema", "sheetform-sweep/1"}, {"curve", std::move(curve)}};
+  if (!sweep.missing.empty()) json["missing"] = sweep.missing;
   return {{"sweep.csv", "text/csv", csv}, {"sweep.json", "application/json", json.dump(1) + "\n"}};
+}
+
+SweepStep step_of(const Decomposition& d, const std::vector<std::string>& notes) {
+  return {api::number_text(d.params.e_max), outcome_of(d, notes)};
+}
+
+/// The report of a point, kept whole: it becomes that of a job when the point is opened.
+api::Json curve_point(const SweepStep& step) {
+  api::Json point = step.outcome.report;
+  point["point"] = step.point;
+  point["notes"] = step.outcome.notes;
+  return point;
+}
+
+std::string out_of_time(std::size_t done, std::size_t all) {
+  return "time ran out after " + std::to_string(done) + " of " + std::to_string(all) +
+         " tolerances; run the missing ones again, with less effort or a simpler mesh";
 }
 
 }  // namespace
@@ -183,18 +196,29 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
 }
 
 SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
-                       const std::vector<double>& e_max, RunContext& context) {
+                       const std::vector<double>& e_max, RunContext& context,
+                       const std::function<void(SweepStep)>& found) {
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
-  SweepOutcome sweep_outcome;
-  const std::vector<Decomposition> results =
-      sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null());
-  context.report(Stage::kWrite, 0);
-  for (const Decomposition& d : results)
-    sweep_outcome.steps.push_back({api::number_text(d.params.e_max), outcome_of(d, input.notes)});
-  sweep_outcome.files = curve_of(sweep_outcome.steps);
-  context.report(Stage::kWrite, 1);
-  return sweep_outcome;
+  SweepOutcome outcome;
+  outcome.curve = api::Json::array();
+  outcome.missing = e_max;
+  std::sort(outcome.missing.begin(), outcome.missing.end());
+  const auto take = [&](const Decomposition& d) {
+    SweepStep step = step_of(d, input.notes);
+    outcome.curve.push_back(curve_point(step));
+    outcome.missing.erase(std::remove(outcome.missing.begin(), outcome.missing.end(), d.params.e_max),
+                          outcome.missing.end());
+    found(std::move(step));
+  };
+  try {
+    sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null(), take);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::kDeadlineExceeded || outcome.curve.empty()) throw;
+    outcome.notes.push_back(out_of_time(outcome.curve.size(), e_max.size()));
+  }
+  outcome.files = files_of(outcome);
+  return outcome;
 }
 
 }  // namespace sheetform::server

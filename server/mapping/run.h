@@ -1,6 +1,7 @@
 // One decomposition from bytes to files, and a look at a mesh without decomposing it. The only place where
 // the facade of core meets the messages; the command line and the job's child process both go through it.
 #pragma once
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,12 +35,17 @@ struct SweepStep {
 };
 
 struct SweepOutcome {
-  std::vector<SweepStep> steps;   ///< in the order of the tolerances given
-  std::vector<OutputFile> files;  ///< sweep.csv and sweep.json: parts and cut length against error
+  api::Json curve;                 ///< the report of each point, named by `point`, by ascending tolerance
+  std::vector<double> missing;     ///< tolerances that the time did not suffice for
+  std::vector<std::string> notes;  ///< for people, of the sweep as a whole
+  std::vector<OutputFile> files;   ///< sweep.csv and sweep.json: parts and cut length against error
 };
 
-/// The same for several tolerances (fractions of the diagonal) in one run. Throws Error.
+/// The same for several tolerances (fractions of the diagonal) in one run. Each point goes to `found` as soon
+/// as it is certified, the finest first. When the context's deadline comes after the first of them, the
+/// outcome tells what is missing; before it, and for every other reason, throws Error.
 SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
-                       const std::vector<double>& e_max, RunContext& context);
+                       const std::vector<double>& e_max, RunContext& context,
+                       const std::function<void(SweepStep)>& found);
 
 }  // namespace sheetform::server

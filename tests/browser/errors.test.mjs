@@ -1,24 +1,15 @@
 // What goes wrong is said in words: what, where, and what to do.
 import assert from "node:assert/strict";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { it } from "node:test";
 import { finned, flatLine, letter, tubeStl } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
 let browser;
 let window;
 let page;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server, browser } = made));
+inWindow(stand, (made) => ({ window, page } = made));
 
 it("a letter is not a mesh, and the page says so before anything is sent", async () => {
   await window.goto();
@@ -54,10 +45,10 @@ it("a number out of range is refused where it is typed", async () => {
   await window.goto("#");
   await page.locator("#file").setInputFiles(tubeStl());
   await page.getByText("More settings").click();
-  await page.getByLabel("Largest number of sides").fill("9");
+  await page.getByLabel("Most sides of a part").fill("9");
   await page.getByText("At most 6 is allowed.").waitFor();
   assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isDisabled());
-  await page.getByLabel("Largest number of sides").fill("5");
+  await page.getByLabel("Most sides of a part").fill("5");
   assert.ok(await page.getByRole("button", { name: "Make the sheets" }).isEnabled());
   await page.getByText("More settings").click();
 });

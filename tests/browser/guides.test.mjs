@@ -1,26 +1,27 @@
 // Seams and areas without seams, drawn on the shape: with a mouse, with a finger, taken back by keys, followed by the
 // result, kept by the next job.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { execFileSync } from "node:child_process";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { describe, it } from "node:test";
 import { tubeStl } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { PHONE, inWindow, onServer } from "./support/stand.mjs";
 
 const RADIUS = 40;
 const HEIGHT = 100;
 
 let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server } = made));
 
 const tube = () => tubeStl("tube.stl", { radius: RADIUS, height: HEIGHT, around: 64, up: 24 });
+
+async function openTube(window) {
+  await window.goto();
+  await window.page.locator("#file").setInputFiles(tube());
+  await window.page.getByRole("button", { name: "Make the sheets" }).waitFor();
+}
 
 /** Distance of a place from the tube's surface. */
 const offTube = ([x, y, z]) => Math.max(Math.abs(Math.hypot(x, y) - RADIUS), -z, z - HEIGHT);
@@ -44,14 +45,7 @@ async function guidesOf(page) {
 describe("with a mouse", () => {
   let window;
   let page;
-  before(async () => {
-    window = await Window.open(browser, server);
-    page = window.page;
-    await window.goto();
-    await page.locator("#file").setInputFiles(tube());
-    await page.getByRole("button", { name: "Make the sheets" }).waitFor();
-  });
-  after(() => window?.close());
+  inWindow(stand, (made) => ({ window, page } = made), {}, () => openTube(window));
 
   it("a drag on the shape draws, beside it turns", async () => {
     const view = page.locator(".view3d");
@@ -117,6 +111,23 @@ describe("with a mouse", () => {
     await window.shot("guides-2-result");
   });
 
+  it("gives commands that make the same job again, drawing included", async () => {
+    const first = await guidesOf(page);
+    await page.getByRole("tab", { name: "Files" }).click();
+    await page.getByText("Make it again").click();
+    const command = (name) => page.getByRole("group", { name }).innerText();
+    const folder = await mkdtemp(path.join(tmpdir(), "sheetform-again-"));
+    await writeFile(path.join(folder, "tube.stl"), tube().buffer);
+    const run = (line) => execFileSync("/bin/sh", ["-c", line.replace(/^curl/, "curl -sS --fail")], { cwd: folder });
+    run(await command("Fetch it"));
+    const again = JSON.parse(run(await command("Over HTTP")));
+    await rm(folder, { recursive: true });
+    assert.equal(again.reusedFrom, first.id, "the same mesh, drawing and settings");
+    const guides = await (await fetch(`${server.url}api/v1/jobs/${again.jobID}/guides`)).json();
+    assert.deepEqual(guides, first.guides);
+    await page.getByRole("tab", { name: "Result" }).click();
+  });
+
   it("keeps them when the job is run again with other settings", async () => {
     const before = await guidesOf(page);
     await page.getByRole("button", { name: "Run again with …" }).click();
@@ -135,19 +146,115 @@ describe("with a mouse", () => {
   it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
 });
 
+describe("by keys alone", () => {
+  let window;
+  let page;
+  inWindow(stand, (made) => ({ window, page } = made), {}, () => openTube(window));
+
+  const said = () => page.locator("#live").innerText();
+  const rows = () => page.locator(".guide-list li");
+  const press = async (key, times = 1) => {
+    for (let k = 0; k < times; k++) await page.keyboard.press(key);
+  };
+
+  it("a way of drawing leads to the cross on the shape", async () => {
+    await page.getByRole("radio", { name: "Turn" }).focus();
+    await press("ArrowRight");
+    assert.match(await page.locator(".draw-hint").innerText(), /Enter/);
+    await press("Enter");
+    assert.ok(await page.locator(".canvas3d").evaluate((canvas) => canvas === document.activeElement));
+    assert.ok(await page.locator(".cross").isVisible());
+    assert.equal(await page.locator(".canvas3d").getAttribute("role"), "application");
+    assert.match(await page.locator(".draw-hint").innerText(), /Backspace takes it back, Escape ends/);
+  });
+
+  it("arrows move, Enter sets, Backspace takes back, and each is told", async () => {
+    await press("Enter");
+    assert.match(await said(), /First point/);
+    await press("ArrowDown", 10);
+    await press("Enter");
+    assert.match(await said(), /Point 2, .* mm long/);
+    await press("ArrowRight", 5);
+    await press("Enter");
+    await press("Backspace");
+    assert.match(await said(), /taken back, 2 left/);
+    await press("ArrowLeft", 80);
+    await press("Enter");
+    assert.match(await said(), /beside the shape/);
+    await press("ArrowRight", 80);
+    assert.equal(await rows().count(), 0, "not yet ended");
+    await window.shot("guides-5-keys");
+    await press("Backspace", 2);
+    assert.match(await said(), /none left/);
+  });
+
+  it("the line goes on after the shape was turned, and Escape ends it", async () => {
+    await press("Home"); // the view; the cross stays where it is
+    const box = await page.locator(".canvas3d").boundingBox();
+    await press("ArrowLeft", Math.ceil(box.width / 8));
+    await press("ArrowUp", Math.ceil(box.height / 8));
+    await press("ArrowRight", Math.round(box.width / 16));
+    await press("ArrowDown", Math.round(box.height / 16));
+    await press("Enter");
+    await press("Shift+ArrowLeft", 3);
+    await press("ArrowRight", 2);
+    await press("Enter");
+    assert.match(await said(), /Point 2, .* mm long/);
+    await press("Escape");
+    assert.match(await said(), /Seam drawn/);
+    assert.equal(await rows().count(), 1);
+    assert.ok(await page.getByRole("radio", { name: "Draw seam" }).isChecked(), "the next line may follow");
+    await press("Escape");
+    assert.ok(await page.getByRole("radio", { name: "Turn" }).isChecked());
+    assert.ok(!(await page.locator(".cross").isVisible()));
+    assert.equal(await page.locator(".canvas3d").getAttribute("role"), "img");
+  });
+
+  it("a line that comes back to its beginning is closed", async () => {
+    await page.getByRole("radio", { name: "Turn" }).focus();
+    await press("ArrowRight");
+    await press("Enter");
+    for (const key of ["ArrowRight", "ArrowDown", "ArrowLeft"]) {
+      await press("Enter");
+      await press(key, 6);
+    }
+    await press("Enter");
+    await press("ArrowUp", 6);
+    await press("Enter");
+    assert.match(await rows().last().innerText(), /closed/);
+  });
+
+  it("paints areas, and what was drawn lies on the shape", async () => {
+    await page.getByRole("radio", { name: "Draw seam" }).focus();
+    await press("ArrowRight");
+    await press("Enter");
+    await press("ArrowUp", 8);
+    await press("Enter");
+    await press("ArrowUp", 4);
+    await window.shot("guides-6-keys-area");
+    await press("Enter");
+    await press("Escape");
+    assert.equal(await rows().count(), 3);
+    await page.getByRole("button", { name: "Quick draft" }).click();
+    await window.ready();
+    const { guides } = await guidesOf(page);
+    assert.deepEqual(guides.seams.map(({ closed }) => closed), [false, true]);
+    assert.equal(guides.keep_out.length, 1);
+    for (const place of [...guides.seams, ...guides.keep_out].flatMap(({ points }) => points))
+      assert.ok(offTube(place) < 0.5, `${place} is ${offTube(place)} off the tube`);
+  });
+
+  it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
+});
+
 describe("with fingers", () => {
   let window;
   let page;
   let touch;
-  before(async () => {
-    window = await Window.open(browser, server, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
-    page = window.page;
+  inWindow(stand, (made) => ({ window, page } = made), PHONE, async () => {
     touch = await window.context.newCDPSession(page);
-    await window.goto();
-    await page.locator("#file").setInputFiles(tube());
-    await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+    await openTube(window);
   });
-  after(() => window?.close());
 
   /** Fingers at places (shares of the 3D window), step by step; each step is a list of places. */
   async function fingers(...steps) {

@@ -1,24 +1,14 @@
 // A reload, a cancelled job and a server that goes away and comes back: nothing is lost.
 import assert from "node:assert/strict";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { it } from "node:test";
 import { ball } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
-let browser;
 let window;
 let page;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server } = made));
+inWindow(stand, (made) => ({ window, page } = made));
 
 /** Sends a mesh and waits until its job is under way; the closer the sheets shall come, the longer it takes. */
 async function begin(name, mesh, percent = 2) {

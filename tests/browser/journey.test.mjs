@@ -1,20 +1,11 @@
 // The whole way in a real browser against a real server: from a mesh to files, on a wide window and on a phone.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { describe, it } from "node:test";
 import { tubeStl } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { PHONE, inWindow, onServer } from "./support/stand.mjs";
 
 let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server } = made));
 
 /** The result's own files, fetched beside the page. */
 async function resultFiles(page) {
@@ -26,11 +17,7 @@ async function resultFiles(page) {
 describe("on a wide window", () => {
   let window;
   let page;
-  before(async () => {
-    window = await Window.open(browser, server, { viewport: { width: 1440, height: 900 } });
-    page = window.page;
-  });
-  after(() => window?.close());
+  inWindow(stand, (made) => ({ window, page } = made), { viewport: { width: 1440, height: 900 } });
 
   it("shows the first page under a strict policy", async () => {
     const response = await window.goto();
@@ -174,16 +161,7 @@ describe("on a wide window", () => {
 describe("on a phone", () => {
   let window;
   let page;
-  before(async () => {
-    window = await Window.open(browser, server, {
-      viewport: { width: 390, height: 844 },
-      hasTouch: true,
-      isMobile: true,
-      colorScheme: "dark",
-    });
-    page = window.page;
-  });
-  after(() => window?.close());
+  inWindow(stand, (made) => ({ window, page } = made), { ...PHONE, colorScheme: "dark" });
 
   it("takes an STL in inches", async () => {
     await window.goto();
@@ -217,6 +195,16 @@ describe("on a phone", () => {
       await page.locator(proof).first().waitFor();
       await window.shot(`phone-3-${name.toLowerCase()}`);
     }
+  });
+
+  it("fits the shape into the window when a link leads to it", async () => {
+    await page.getByRole("tab", { name: "Shape" }).click();
+    await page.getByRole("button", { name: "Show all" }).click();
+    const fitted = await page.locator(".view3d").screenshot();
+    await page.reload();
+    await window.ready();
+    const opened = await page.locator(".view3d").screenshot();
+    assert.ok(opened.equals(fitted), "the first view is another one");
   });
 
   it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));

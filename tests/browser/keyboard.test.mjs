@@ -1,24 +1,15 @@
 // The whole way once more without a pointer: everything can be reached and done by keys alone.
 import assert from "node:assert/strict";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
-import { Server } from "./support/server.mjs";
+import { it } from "node:test";
+import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
-let browser;
 let window;
 let page;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
+const stand = onServer((made) => ({ server } = made));
+inWindow(stand, (made) => ({ window, page } = made), {}, async () => {
   await window.goto();
   await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
 });
 
 const focused = () =>
@@ -48,9 +39,22 @@ it("chooses a shape", async () => {
   await page.getByRole("button", { name: "Make the sheets" }).waitFor();
 });
 
-it("turns the view, chooses a material and starts", async () => {
+/** Down the middle of what is seen. */
+async function drawSeam() {
+  await tabTo(/^input Turn/, "Shift+Tab");
+  await page.keyboard.press("ArrowRight");
+  await tabTo(/^canvas/);
+  await page.keyboard.press("Enter");
+  for (let k = 0; k < 12; k++) await page.keyboard.press("ArrowDown");
+  for (const key of ["Enter", "Escape", "Escape"]) await page.keyboard.press(key);
+  await page.getByText("Drawn on the shape").waitFor();
+  assert.equal(await page.locator(".guide-list li").count(), 1);
+}
+
+it("turns the view, draws a seam, chooses a material and starts", async () => {
   await tabTo(/^canvas/);
   for (const key of ["ArrowLeft", "ArrowUp", "+", "0"]) await page.keyboard.press(key);
+  await drawSeam();
   await tabTo(/^input/); // the unit
   await page.getByRole("radio", { name: /Card/ }).focus();
   await page.keyboard.press("ArrowDown");
@@ -58,6 +62,11 @@ it("turns the view, chooses a material and starts", async () => {
   await tabTo(/Make the sheets/);
   await page.keyboard.press("Enter");
   await window.ready();
+  const id = new URL(page.url()).hash.slice(5);
+  const files = await (await fetch(`${server.url}api/v1/jobs/${id}/results`)).json();
+  const layout = await (await fetch(new URL(files["layout.json"].href, server.url))).json();
+  assert.equal(layout.guides.seams.length, 1);
+  assert.ok(layout.arches.some((arch) => arch.drawn));
 });
 
 it("goes through tabs and parts by arrow keys", async () => {

@@ -2,12 +2,13 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { after, before, it } from "node:test";
-import { Window, launch } from "./support/browser.mjs";
+import { it } from "node:test";
+import { Window } from "./support/browser.mjs";
 import { gores } from "./support/gores.mjs";
 import { letter } from "./support/meshes.mjs";
-import { Server } from "./support/server.mjs";
+import { inWindow, onServer } from "./support/stand.mjs";
 
+const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const FIRST_VIEW_BYTES = 300 * 1024;
 const FRAME_SCRIPT_MS = 8; // half of what 60 frames a second allow
 const FRAMES = 20;
@@ -16,19 +17,9 @@ let server;
 let browser;
 let window;
 let page;
-let axe;
 let result; // the place of a result on the page
-before(async () => {
-  axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-  server = await Server.start();
-  browser = await launch();
-  window = await Window.open(browser, server);
-  page = window.page;
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const stand = onServer((made) => ({ server, browser } = made));
+inWindow(stand, (made) => ({ window, page } = made));
 
 async function violations() {
   await page.evaluate(axe);

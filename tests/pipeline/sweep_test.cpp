@@ -1,6 +1,7 @@
 // Several tolerances in one run: every result as good as one of its own, parts that never get more.
 #include "sheetform/sweep.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/run.h"
@@ -76,6 +77,40 @@ TEST(SweepOfTolerances, SymmetricResultsStaySymmetric) {
       EXPECT_TRUE(image < 0 || d.strips.patches[image].mirror_of == static_cast<int>(p));
     }
   }
+}
+
+TEST(SweepOfTolerances, EachResultIsHandedOverWhenItIsDoneAndProgressNeverFalls) {
+  TriangleSoup soup = shapes::sphere(10);
+  const TriangleSoup other = soup;
+  const int n = static_cast<int>(soup.points.size());
+  for (const Vector3& p : other.points) soup.points.push_back(p + Vector3(3, 0, 0));  // two components
+  for (auto f : other.faces) soup.faces.push_back({f[0] + n, f[1] + n, f[2] + n});
+  InputMesh input;
+  input.soup = soup;
+  RunContext context;
+  std::vector<double> at, fractions;
+  context.progress = [&](Stage, double fraction, const std::string&) { fractions.push_back(fraction); };
+  const auto found = [&](const Decomposition& d) {
+    expect_sound(soup, d);
+    at.push_back(d.params.e_max);
+    EXPECT_EQ(fractions.back() < 0.9, at.size() < 3) << at.size() << " of 3 are done";
+  };
+  sweep(input, {}, {0.02, 0.05, 0.03}, nullptr, context, nullptr, found);
+  EXPECT_EQ(at, (std::vector<double>{0.02, 0.03, 0.05}));
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+}
+
+TEST(SweepOfTolerances, WhoIsToldOfAResultMayEndTheSweep) {
+  InputMesh input;
+  input.soup = shapes::sphere(10);
+  RunContext context;
+  int told = 0;
+  const auto stop = [&](const Decomposition&) {
+    ++told;
+    throw Error(ErrorCode::kInternal, "enough");  // the kind that other ways of searching may mend
+  };
+  EXPECT_THROW(sweep(input, {}, {0.02, 0.05}, nullptr, context, nullptr, stop), Error);
+  EXPECT_EQ(told, 1);
 }
 
 TEST(SweepOfTolerances, WrongListsAreRefused) {

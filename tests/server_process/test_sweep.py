@@ -1,9 +1,11 @@
 """Several tolerances in one job: the curve, and its points as jobs of their own."""
 import base64
 import csv
+import hashlib
 import io
 import json
 import signal
+import time
 
 from harness import ServerCase, arc, main
 from test_api import form
@@ -170,6 +172,54 @@ class Sweep(ServerCase):
         job = self.server.wait(answer.json()["jobID"], timeout=120)
         self.assertEqual(job["status"], "successful", job)
         self.assertEqual(len(job["report"]["curve"]), 3)
+
+
+class OutOfTime(ServerCase):
+    """A sweep whose time runs out: the limit is so many times what one tolerance takes here and now."""
+    fake = False
+    MESH = bowl(around=64, up=24)
+    TOLERANCES = [0.002 + 0.0001 * k for k in range(10)]  # each as much work as the other
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        begun = time.monotonic()
+        cls.server.wait(cls.server.submit(cls.MESH, name="cap.obj", e_max=cls.TOLERANCES[0])["jobID"], timeout=300)
+        seconds = time.monotonic() - begun
+        cls.server.options += ["--job-seconds", str(max(1, round(3.5 * seconds)))]
+        cls.server.restart(signal.SIGTERM)
+        cls.job = cls.server.wait(cls.submit()["jobID"], timeout=600)
+
+    @classmethod
+    def submit(cls):
+        query = "?e_max=" + ",".join(f"{e:.4f}" for e in cls.TOLERANCES)
+        return cls.server.request("POST", SWEEP + query, cls.MESH).json()
+
+    def test_the_finished_points_are_its_result(self):
+        self.assertEqual(self.job["status"], "successful", self.job)
+        curve, missing = self.job["report"]["curve"], self.job["report"]["missing"]
+        self.assertGreater(len(curve), 0)
+        self.assertGreater(len(missing), 0)
+        self.assertEqual([p["e_max"] for p in curve] + missing, [round(e, 4) for e in self.TOLERANCES])
+        self.assertIn(f"{len(curve)} of 10", self.job["message"])
+        self.assertIn(f"{len(curve)} of 10", self.job["report"]["notes"][0])
+        files = self.server.get(f"/api/v1/jobs/{self.job['jobID']}/results").json()
+        self.assertEqual(len(files), 2 + 3 * len(curve))
+        for file in files.values():
+            self.assertEqual(hashlib.sha256(self.server.get(file["href"]).body).hexdigest(), file["sha256"])
+        self.assertEqual(self.server.get(files["sweep.json"]["href"]).json()["missing"], missing)
+
+    def test_a_finished_point_opens_and_a_missing_one_does_not(self):
+        base = f"/api/v1/jobs/{self.job['jobID']}/points/"
+        opened = self.server.request("POST", base + self.job["report"]["curve"][0]["point"])
+        self.assertEqual((opened.status, opened.json()["status"]), (201, "successful"))
+        gone = self.server.request("POST", base + str(self.job["report"]["missing"][0]))
+        self.assert_problem(gone, 404, "no-such-output")
+
+    def test_it_is_not_the_answer_to_the_same_sweep_again(self):
+        again = self.submit()
+        self.assertNotIn("reusedFrom", again)
+        self.server.request("DELETE", f"/api/v1/jobs/{again['jobID']}")
 
 
 def _without_tolerances():

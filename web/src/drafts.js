@@ -1,6 +1,7 @@
 // Meshes that were dropped but not yet sent: the file, what it looks like, its size, the parameters.
 import { getLimits } from "./api.js";
 import { bytes } from "./format.js";
+import { Observable } from "./listeners.js";
 import { materialOf, offeredScale } from "./materials.js";
 import { Guides } from "./guides.js";
 import { MeshError } from "./mesh/read_mesh.js";
@@ -9,10 +10,9 @@ import { recall } from "./prefs.js";
 
 export const ACCEPTED = ".stl,.obj,.ply,.off,model/stl,model/obj";
 
-class Drafts {
+class Drafts extends Observable {
   list = [];
   current = 0;
-  listeners = new Set();
 
   /**
    * Begins a draft for each file; earlier drafts go. `like` = {tag, scale, values, guides} of an earlier job to begin
@@ -63,14 +63,6 @@ class Drafts {
     this.list = this.list.filter((item) => item !== draft);
     this.current = Math.min(this.current, Math.max(0, this.list.length - 1));
     this.changed();
-  }
-
-  changed() {
-    for (const listener of [...this.listeners]) listener();
-  }
-  onChange(listener) {
-    this.listeners.add(listener);
-    return () => this.listeners.delete(listener);
   }
 }
 

@@ -1,13 +1,15 @@
 // What a person drew on a mesh: lines that become seams, and areas that seams keep out of. Places are in the units and
 // the frame of the uploaded file, as they travel (part `guides` of an execution request).
 
+import { Observable } from "./listeners.js";
+
 /** A stroke as it is drawn: {kind: "seam", points, closed} or {kind: "keep_out", points, radius}; points are [x, y, z]. */
-export class Guides {
+export class Guides extends Observable {
   list = [];
   past = []; // earlier lists, for undo
-  listeners = new Set();
 
   constructor(wire = null) {
+    super();
     if (wire) this.list = strokesOf(wire);
   }
 
@@ -35,14 +37,6 @@ export class Guides {
     this.list = list;
     this.changed();
   }
-  changed() {
-    for (const listener of [...this.listeners]) listener();
-  }
-  onChange(listener) {
-    this.listeners.add(listener);
-    return () => this.listeners.delete(listener);
-  }
-
   /** As it is sent; null when nothing is drawn. */
   wire() {
     if (this.empty) return null;

@@ -1,5 +1,6 @@
 // The jobs as the page knows them, kept up to date by the server's events.
 import { dismissJob, listJobs, retryJob, watchJobs } from "./api.js";
+import { Observable } from "./listeners.js";
 
 export const ACTIVE = new Set(["accepted", "running"]);
 
@@ -14,11 +15,10 @@ export const STAGES = [
   ["write", "Writing the files"],
 ];
 
-class Jobs {
+class Jobs extends Observable {
   list = new Map();
   known = false; // whether the server's list has arrived
   connection = ""; // "live", "polling", "lost"
-  listeners = new Set();
 
   start() {
     watchJobs({
@@ -75,16 +75,6 @@ class Jobs {
   async refresh() {
     for (const job of await listJobs()) this.list.set(job.jobID, job);
     this.changed();
-  }
-
-  changed() {
-    for (const listener of [...this.listeners]) listener();
-  }
-
-  /** listener() after every change; returns a function that ends it. */
-  onChange(listener) {
-    this.listeners.add(listener);
-    return () => this.listeners.delete(listener);
   }
 }
 

@@ -40,5 +40,6 @@ export function inherit(from, to) {
 
 export const startVariant = (job, change) => again(job, change);
 
-/** One job for several tolerances (fractions of the diagonal). */
-export const startSweep = (job, tolerances) => again(job, { e_max: tolerances.join(",") }, { process: "sweep" });
+/** One job for several tolerances (fractions of the diagonal); drafts would be no use at the fine ones. */
+export const startSweep = (job, tolerances) =>
+  again(job, { e_max: tolerances.join(","), effort: "normal" }, { process: "sweep" });

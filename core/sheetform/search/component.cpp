@@ -92,7 +92,9 @@ class ComponentRun {
                                                                   input.reference.faces, context)),
         tree_(*own_tree_) {}
 
-  std::vector<ComponentResult> run(const std::vector<double>& tolerances) {
+  using Found = std::function<void(std::size_t, const ComponentResult&)>;
+
+  void run(const std::vector<double>& tolerances, const Found& found) {
     params_.evaluation.e_max = tolerances.front();
     const SurfaceMesh& mesh = input_.prepared.mesh;
     const auto& crease = input_.prepared.crease_edge;
@@ -113,17 +115,17 @@ class ComponentRun {
       add_lane(start, graph, trace_candidates(mesh, graph, field, trace, context_));
     }
     laps_.lap(Stage::kTrace);
-    std::vector<ComponentResult> results;
-    for (double e_max : tolerances) {
-      params_.evaluation.e_max = e_max;
-      if (!results.empty())
+    ComponentResult finer;
+    for (std::size_t k = 0; k < tolerances.size(); ++k) {
+      params_.evaluation.e_max = tolerances[k];
+      if (k > 0)
         for (Lane& lane : lanes_) lane.again(start, search_params());
       ComponentResult result = solve();
-      if (!results.empty() && result.strips.patches.size() > results.back().strips.patches.size())
-        result = as_coarser(results.back(), e_max, std::move(result));
-      results.push_back(std::move(result));
+      if (k > 0 && result.strips.patches.size() > finer.strips.patches.size())
+        result = as_coarser(finer, tolerances[k], std::move(result));
+      found(k, result);
+      finer = std::move(result);
     }
-    return results;
   }
 
  private:
@@ -497,7 +499,8 @@ ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, 
     if (check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty()) break;
     params.evaluation.e_max /= 2;
     const EvaluationCounts before = result.counts;
-    result = ComponentRun(input, params, context).run({params.evaluation.e_max}).front();
+    ComponentRun(input, params, context)
+        .run({params.evaluation.e_max}, [&](std::size_t, const ComponentResult& r) { result = r; });
     result.counts += before;
     result.notes.push_back(kFiner);
   }
@@ -508,18 +511,20 @@ ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, 
 
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
                                     RunContext& context) {
-  return sweep_component(input, params, {params.evaluation.e_max}, context).front();
+  ComponentResult result;
+  sweep_component(input, params, {params.evaluation.e_max}, context,
+                  [&](std::size_t, ComponentResult r) { result = std::move(r); });
+  return result;
 }
 
-std::vector<ComponentResult> sweep_component(const ComponentInput& input, const ComponentParams& params,
-                                             const std::vector<double>& e_max, RunContext& context) {
-  std::vector<ComponentResult> results = ComponentRun(input, params, context).run(e_max);
-  for (std::size_t k = 0; k < results.size(); ++k) {
-    ComponentParams own = params;
+void sweep_component(const ComponentInput& input, const ComponentParams& params,
+                     const std::vector<double>& e_max, RunContext& context,
+                     const std::function<void(std::size_t, ComponentResult)>& found) {
+  ComponentParams own = params;
+  ComponentRun(input, params, context).run(e_max, [&](std::size_t k, const ComponentResult& result) {
     own.evaluation.e_max = e_max[k];
-    results[k] = kept_apart(std::move(results[k]), input, own, context);
-  }
-  return results;
+    found(k, kept_apart(result, input, own, context));
+  });
 }
 
 }  // namespace sheetform

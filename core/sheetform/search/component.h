@@ -1,5 +1,7 @@
 // One connected surface: from the prepared mesh to strips that keep the tolerance.
 #pragma once
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -44,11 +46,13 @@ struct ComponentResult {
   EvaluationCounts counts;                ///< of the search and of its final passes
 };
 
-/// One result for each tolerance of `e_max`, which ascend (params.evaluation.e_max does not count). Field,
-/// graph and candidates are shared, and the charts of patches seen before; a coarser tolerance does not take
-/// more parts. Errors as decompose_component.
-std::vector<ComponentResult> sweep_component(const ComponentInput& input, const ComponentParams& params,
-                                             const std::vector<double>& e_max, RunContext& context);
+/// One result for each tolerance of `e_max`, which ascend (params.evaluation.e_max does not count), handed to
+/// `found` with its index as soon as it is there. Field, graph and candidates are shared, and the charts of
+/// patches seen before; a coarser tolerance does not take more parts. Throws as decompose_component, and what
+/// `found` throws.
+void sweep_component(const ComponentInput& input, const ComponentParams& params,
+                     const std::vector<double>& e_max, RunContext& context,
+                     const std::function<void(std::size_t, ComponentResult)>& found);
 
 /// Always returns valid strips: what cannot be kept is split until it can. Throws only as the context does.
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,

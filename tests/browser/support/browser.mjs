@@ -54,9 +54,10 @@ export class Window {
     await this.page.screenshot({ path: path.join(ARTEFACTS, `${name}.png`) });
   }
 
-  /** Waits until a result is drawn. */
+  /** Waits until the result that the address names is drawn. */
   ready() {
-    return this.page.waitForFunction(() => document.documentElement.dataset.ready, null, { timeout: 2 * PATIENCE });
+    const drawn = () => location.hash === `#job/${document.documentElement.dataset.ready}`;
+    return this.page.waitForFunction(drawn, null, { timeout: 2 * PATIENCE });
   }
 
   /** Complaints that match none of the patterns. */

@@ -10,6 +10,8 @@ import {
   titleOf,
   unitOf,
   usualWish,
+  toRemember,
+  firstValues,
   wordOf,
 } from "../../../web/src/result/export_wish.js";
 
@@ -54,6 +56,9 @@ it("shows every parameter once, those that are chosen elsewhere never", () => {
   assert.equal(titleOf("brand_new"), "Brand new");
   assert.equal(wordOf("sheet_size", "a4"), "A4");
   assert.equal(wordOf("sheet_size", "600x400"), "600 × 400 mm");
+  assert.match(wordOf("profile", "makerspace"), /red cuts/);
+  assert.equal(wordOf("profile", "of-this-workshop"), "of-this-workshop");
+  assert.equal(wordOf("rulings", "none"), "none");
 });
 
 it("asks only for what differs from the defaults", () => {
@@ -67,8 +72,19 @@ it("asks only for what differs from the defaults", () => {
 it("takes the material's sheet when the parts fit, turned if need be", () => {
   const paper = { id: "paper", sheet: [210, 297], preset: "a4" };
   const part = (w, d) => ({ box: [10, 10, 10 + w, 10 + d] });
-  assert.deepEqual(usualWish(paper, [part(280, 190)]), { sheet_size: "a4", page: "a4" });
-  assert.deepEqual(usualWish(paper, [part(280, 190), part(290, 20)]), { sheet_size: "auto", page: "a4" });
+  const printed = { profile: "print", tabs: "one" };
+  const fits = { sheet_size: "a4", page: "sheet", margin: "10", ...printed };
+  assert.deepEqual(usualWish(paper, [part(260, 170)]), fits, "a page a sheet, not four");
+  const large = { sheet_size: "auto", page: "a4", ...printed };
+  assert.deepEqual(usualWish(paper, [part(260, 170), part(280, 20)]), large);
   const card = { id: "card", sheet: [297, 420], preset: "a3" };
   assert.deepEqual(usualWish(card, [part(400, 20)]), { sheet_size: "a3", page: "sheet" });
+});
+
+it("remembers the workshop's choices, not the model's", () => {
+  const usual = { sheet_size: "a4", page: "sheet", profile: "print", tabs: "one" };
+  const chosen = { ...usual, sheet_size: "a3", profile: "silhouette", copies: "3" };
+  const kept = toRemember(chosen);
+  assert.deepEqual(kept, { profile: "silhouette", tabs: "one" });
+  assert.deepEqual(firstValues(usual, kept), { ...usual, profile: "silhouette" });
 });

@@ -1,4 +1,5 @@
 // The page's picture of a result: parts, seams, folding without stretch, its own measuring of the promises.
+import { spread } from "../../../web/src/result/spread.js";
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { bendColors, bendRadii } from "../../../web/src/result/bend.js";
@@ -186,4 +187,17 @@ describe("places of labels", () => {
     const place = labelPlace(Uint32Array.of(0, 1, 2, 3, 4, 5), Float64Array.of(0, 0, 10, 0, 10, 2, 2, 2, 2, 10, 0, 10));
     assert.ok(place.room > 0.8);
   });
+});
+
+it("pushes numbers apart that would lie on each other, and leaves the others alone", () => {
+  const places = [[0, 0], [1, 0], [1, 0], [50, 50]];
+  const moved = spread(places, 10);
+  for (let i = 0; i < 4; i++)
+    for (let j = 0; j < i; j++) {
+      const gap = Math.hypot(moved[i][0] - moved[j][0], moved[i][1] - moved[j][1]);
+      assert.ok(gap > 9, `${i} and ${j} are ${gap} apart`);
+    }
+  assert.deepEqual(moved[3], [50, 50]);
+  assert.ok(Math.hypot(...moved[0]) < 20);
+  assert.deepEqual(spread([], 10), []);
 });

@@ -1,7 +1,7 @@
 // The curve of results, and the commands that make a result again.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { curve, relatives, results, sweepOf } from "../../../web/src/result/trade_off.js";
+import { curve, missingOf, relatives, results, stepOf, sweepOf, sweepTolerances } from "../../../web/src/result/trade_off.js";
 import { asAsked } from "../../../web/src/variants.js";
 import { askedFor, commands } from "../../../web/src/ui/reproduce.js";
 
@@ -23,6 +23,17 @@ it("takes results of the same mesh and the same way of cutting", () => {
   ];
   assert.deepEqual(
     relatives(a, [a, ...others]).map((one) => one.jobID),
+    ["a", "b"],
+  );
+});
+
+it("knows a size however it was asked for", () => {
+  const mesh = { sha256: "m", scale: 12.5 };
+  const a = job("a", 0.02, 0.018, 9, { inputs: { mesh }, parameters: { scale: 1, target_size: 300 } });
+  const same = job("b", 0.05, 0.04, 4, { inputs: { mesh }, parameters: { scale: 12.5 } });
+  const other = job("c", 0.05, 0.04, 4, { inputs: { mesh: { ...mesh, scale: 25 } }, parameters: { scale: 25 } });
+  assert.deepEqual(
+    relatives(a, [a, same, other]).map((one) => one.jobID),
     ["a", "b"],
   );
 });
@@ -99,6 +110,23 @@ it("knows the sweep that need not be asked for again", () => {
   assert.equal(sweepOf(a, [sweep("s", [0.01], { parameters: { t_junctions: false } })]), null);
 });
 
+it("knows what a sweep whose time ran out has not found, until another one has", () => {
+  const a = job("a", 0.02, 0.018, 9);
+  const partial = sweep("s", [0.01, 0.015]);
+  partial.report.missing = [0.025, 0.04];
+  assert.deepEqual(missingOf(a, [a, partial]), [0.04, 0.025]);
+  assert.deepEqual(missingOf(a, [a, partial, sweep("t", [0.04])]), [0.025]);
+  assert.deepEqual(missingOf(a, [a, partial, sweep("t", [0.025, 0.04])]), []);
+  assert.deepEqual(missingOf(a, [a, sweep("s", [0.01])]), []);
+  assert.equal(stepOf({ message: "tolerance 2 of 5, checking" }), "2 of 5");
+  assert.equal(stepOf({ message: "waits" }), "");
+});
+
+it("looks closer only where one has asked for more", () => {
+  assert.equal(Math.min(...sweepTolerances(job("a", 0.02))), 0.01);
+  assert.equal(Math.min(...sweepTolerances(job("a", 0.006))), 0.006);
+});
+
 it("asks again with size and tolerance as they were in force", () => {
   const asked = job("a", 0.02, 0, 0, {
     inputs: { mesh: { sha256: "m", scale: 4, bboxDiagonal: 10 } },
@@ -124,8 +152,20 @@ it("writes commands with what differs from the defaults, safely quoted", () => {
   assert.equal(terminal, "sheetform decompose 'my owl.stl' -o 'my owl' --e-max 0.02 --t-junctions off");
   assert.equal(
     curl,
-    "curl --data-binary @'my owl.stl' 'http://127.0.0.1:8080/api/v1/processes/decompose/execution?e_max=0.02&t_junctions=off'",
+    "curl --data-binary '@my owl.stl' 'http://127.0.0.1:8080/api/v1/processes/decompose/execution?e_max=0.02&t_junctions=off'",
   );
   const evil = job("a", 0.02, 0, 0, { inputs: { mesh: { name: "x'; rm -rf ~; '.stl" } } });
   assert.match(commands(evil, process, "http://h").terminal, /'x'\\''; rm -rf ~; '\\''\.stl'/);
+});
+
+it("takes what was drawn into the commands", () => {
+  const process = { inputs: {} };
+  const links = [{ rel: "guides", href: "/api/v1/jobs/a/guides" }];
+  const drawn = (name) => commands(job("a", 0.02, 0, 0, { links, inputs: { mesh: { name } } }), process, "http://h:8");
+  const { guides, terminal, curl } = drawn("owl.stl");
+  assert.equal(guides, "curl -o guides.json http://h:8/api/v1/jobs/a/guides");
+  assert.match(terminal, / --guides guides\.json$/);
+  assert.match(curl, /^curl -F mesh=@owl\.stl -F guides=@guides\.json 'http:\/\/h:8\/api\/v1\/processes\/decompose\/execution\?/);
+  assert.match(drawn('a, "b".stl').curl, /-F 'mesh=@"a, \\"b\\"\.stl"'/);
+  assert.equal(commands(job("a", 0.02, 0, 0), process, "http://h").guides, null);
 });

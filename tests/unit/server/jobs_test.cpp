@@ -90,6 +90,21 @@ TEST(Verdict, Table) {
   }
 }
 
+TEST(Verdict, AJobThatWatchesTheClockItselfRanOutOfTime) {
+  ChildReport report;
+  report.ending = ChildEnding::kExited;
+  report.exit_status = 65;
+  std::optional<api::Problem> told(std::in_place);
+  told->type = ProblemType::kTimeLimit;
+  ServiceLimits limits;
+  limits.job_seconds = 7;
+  const Verdict v = judge_attempt(report, told, false, StopReason::kNone, {}, "remove", limits);
+  EXPECT_EQ(v.action, Action::kFail);
+  EXPECT_EQ(v.outcome, "time");
+  EXPECT_EQ(v.problem.type, ProblemType::kTimeLimit);
+  EXPECT_THAT(v.problem.detail, ::testing::HasSubstr("7 s"));
+}
+
 TEST(WorkerProtocol, RequestRoundTrips) {
   WorkerRequest r;
   r.mode = WorkerMode::kInspect;
@@ -99,6 +114,7 @@ TEST(WorkerProtocol, RequestRoundTrips) {
   r.memory = std::uint64_t{1} << 40;
   r.file_bytes = 7;
   r.cpu_seconds = 9;
+  r.wall_seconds = 11;
   r.sandbox = false;
   EXPECT_EQ(to_text(worker_request_from(to_text(r))), to_text(r));
 }

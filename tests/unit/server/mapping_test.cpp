@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "server/mapping/errors.h"
 #include "server/mapping/parameters.h"
 #include "server/mapping/run.h"
@@ -70,6 +72,58 @@ TEST(Inspect, RefusesWhatHasNoFaces) {
   const api::Json parameters = api::complete_parameters(api::Json::object());
   EXPECT_THROW((void)inspect_mesh("v 0 0 0\n", "t.obj", parameters), Error);
   EXPECT_THROW((void)inspect_mesh("", "t.obj", parameters), Error);
+}
+
+class SweepOfATetrahedron : public ::testing::Test {
+ protected:
+  SweepOutcome run(const std::function<void(const SweepStep&)>& after) {
+    api::Json parameters = api::complete_parameters(api::Json::parse(R"({"effort":"draft"})"));
+    parameters[api::kTolerance] = {0.03, 0.01, 0.05};
+    RunContext context;
+    return run_sweep(kTetrahedron, "t.obj", parameters, {0.03, 0.01, 0.05}, context, [&](SweepStep step) {
+      found_.push_back(step.point);
+      after(step);
+    });
+  }
+  std::vector<std::string> found_;
+};
+
+const auto out_of_time = [](const SweepStep& step) {
+  if (step.point == "0.03") throw Error(ErrorCode::kDeadlineExceeded, "too late");
+};
+
+TEST_F(SweepOfATetrahedron, HandsOverEachPointTheFinestFirst) {
+  const SweepOutcome outcome = run([](const SweepStep& step) { EXPECT_EQ(step.outcome.files.size(), 3u); });
+  EXPECT_EQ(found_, (std::vector<std::string>{"0.01", "0.03", "0.05"}));
+  EXPECT_EQ(outcome.curve.size(), 3u);
+  EXPECT_TRUE(outcome.missing.empty());
+  EXPECT_TRUE(outcome.notes.empty());
+  EXPECT_FALSE(api::Json::parse(outcome.files[1].content).contains("missing"));
+}
+
+TEST_F(SweepOfATetrahedron, KeepsWhatIsFoundWhenTheTimeIsUp) {
+  const SweepOutcome outcome = run(out_of_time);
+  EXPECT_EQ(outcome.curve.size(), 2u);
+  EXPECT_EQ(outcome.curve[1].at("point"), "0.03");
+  EXPECT_EQ(outcome.missing, std::vector<double>{0.05});
+  ASSERT_EQ(outcome.notes.size(), 1u);
+  EXPECT_NE(outcome.notes[0].find("2 of 3"), std::string::npos);
+  EXPECT_EQ(api::Json::parse(outcome.files[1].content).at("missing"), api::Json({0.05}));
+}
+
+TEST_F(SweepOfATetrahedron, FailsWhenNothingIsFoundInTimeOrForAnotherReason) {
+  api::Json parameters = api::complete_parameters(api::Json::object());
+  parameters[api::kTolerance] = {0.01};
+  RunContext late;
+  late.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
+  try {
+    run_sweep(kTetrahedron, "t.obj", parameters, {0.01}, late, [](const SweepStep&) { FAIL(); });
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kDeadlineExceeded);
+  }
+  EXPECT_THROW(run([](const SweepStep&) { throw Error(ErrorCode::kCancelled, "stop"); }), Error);
+  EXPECT_THROW(run([](const SweepStep&) { throw Error(ErrorCode::kInternal, "broken"); }), Error);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ export function inspect(points, faces) {
     vertices: count,
     faces: indices.length / 3,
     pieces: pieces(indices, count),
-    insideOut: looksInwards(positions, indices, edges.border.length === 0),
+    insideOut: looksInwards(positions, indices, edges.border.length === 0, box),
     borderEdges: edges.border.length / 2,
     crowdedEdges: edges.crowded.length / 2,
     borders: segments(edges.border, positions),
@@ -100,8 +100,11 @@ function edgeCounts(indices, count) {
   return { border, crowded };
 }
 
-/** Whether the faces look inwards: exact for a closed surface (its volume is negative), a cautious guess for an open one. */
-function looksInwards(positions, indices, closed) {
+/**
+ * Whether the faces look inwards: exact for a closed surface (its volume is negative), a cautious guess for an open one,
+ * which has an inside only when it is a good part of its box.
+ */
+function looksInwards(positions, indices, closed, { min, max }) {
   let [sum, total] = [0, 0];
   const p = positions;
   for (let k = 0; k < indices.length; k += 3) {
@@ -113,7 +116,8 @@ function looksInwards(positions, indices, closed) {
     sum += volume;
     total += Math.abs(volume);
   }
-  return closed ? sum < 0 : sum < -0.5 * total;
+  const box = max.reduce((product, high, axis) => product * (high - min[axis]), 1);
+  return closed ? sum < 0 : sum < -0.5 * total && -sum / 6 > 0.2 * box;
 }
 
 function segments(pairs, positions) {

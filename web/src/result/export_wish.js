@@ -22,7 +22,14 @@ const TITLES = {
 const GROUPS = { sheet: "Sheets", marks: "Marks", joints: "Joints and material", file: "Files" };
 
 /** What belongs to one model and is not remembered for the next. */
-export const OF_MODEL = ["sheet_size", "page", "model_size", "copies"];
+const OF_MODEL = ["sheet_size", "page", "model_size", "copies"];
+
+/** What of the chosen values is remembered for the next model of the same material. */
+export const toRemember = (values) =>
+  Object.fromEntries(Object.entries(values).filter(([name]) => !OF_MODEL.includes(name)));
+
+/** The values to begin with: what is usual, but for what was chosen the last time. */
+export const firstValues = (usual, remembered) => ({ ...usual, ...toRemember(remembered) });
 
 /** A short title: the known ones, or the name as words. */
 export function titleOf(name) {
@@ -30,11 +37,30 @@ export function titleOf(name) {
   return TITLES[name] ?? words[0].toUpperCase() + words.slice(1);
 }
 
+/** What the server's words stand for. */
+const WORDS = {
+  profile: {
+    makerspace: "Laser: red cuts, blue scores",
+    lightburn: "Laser with LightBurn",
+    boxes: "Laser, colours of boxes.py",
+    ponoko: "Ponoko (online shop)",
+    silhouette: "Cutting plotter (Silhouette)",
+    inventor: "Sheet metal (Inventor layers)",
+    astm: "Fabric cutter (ASTM)",
+    origami: "Origami Simulator",
+    print: "Printer and scissors",
+  },
+  oversize: { refuse: "say so", split: "split it" },
+  tabs: { one: "on one side", alternate: "in turns", both: "on both sides" },
+  rulings: { score: "scored", perforation: "perforated", ticks: "ticks at the ends" },
+};
+
 /** A value as people write it: A4, 600 × 400 mm, LightBurn's own names as they are. */
 export function wordOf(name, value) {
   if (name === "sheet_size" && value === "auto") return "as large as needed";
   if (name === "page" && value === "sheet") return "one a sheet";
-  if (name === "oversize") return { refuse: "say so", split: "split it" }[value] ?? value;
+  const word = WORDS[name]?.[value];
+  if (word) return word;
   if (/^a\d$/.test(value)) return value.toUpperCase();
   return value.replace(/^(\d+)x(\d+)$/, "$1 × $2 mm") || "none";
 }
@@ -84,15 +110,24 @@ export function queryOfWish(parameters, values, more = {}) {
 
 export const hrefOf = (href, query) => (String(query) ? `${href}?${query}` : href);
 
+const MARGIN = 5; // of a machine
+const PRINTER = 10; // white edge of a printer
+const TAB = 6;
+
 /**
- * What is usual: the material's sheet when every part fits on it, otherwise one as large as the parts need; paper is
- * printed at home, over several pages.
+ * What is usual: the material's sheet when every part fits on it, otherwise one as large as the parts need. Paper is
+ * printed at home: a page a sheet, inside of what the printer leaves white, or one large sheet over several pages; and
+ * it is glued, so it has tabs.
  */
-export function usualWish(material, parts, margin = 5) {
-  const [a, b] = material.sheet.map((side) => side - 2 * margin);
+export function usualWish(material, parts) {
+  const paper = material.id === "paper";
+  const edge = paper ? PRINTER + TAB : MARGIN;
+  const [a, b] = material.sheet.map((side) => side - 2 * edge);
   const fits = parts.every(({ box: [x0, y0, x1, y1] }) => {
     const [w, d] = [x1 - x0, y1 - y0];
     return Math.min(w, d) <= Math.min(a, b) && Math.max(w, d) <= Math.max(a, b);
   });
-  return { sheet_size: fits ? material.preset : "auto", page: material.id === "paper" ? material.preset : "sheet" };
+  const wish = { sheet_size: fits ? material.preset : "auto", page: "sheet" };
+  if (!paper) return wish;
+  return { ...wish, ...(fits ? { margin: String(PRINTER) } : { page: material.preset }), profile: "print", tabs: "one" };
 }

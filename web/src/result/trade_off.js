@@ -1,15 +1,24 @@
 // Fewer parts or closer to the shape: all results of one mesh as points of a curve, those of its sweeps among them.
 
-/** Tolerances of a sweep, as fractions of the diagonal. */
-export const SWEEP = [0.06, 0.04, 0.025, 0.015, 0.01, 0.006];
+/**
+ * Tolerances of a sweep, as fractions of the diagonal. One finer than these takes as long as all of them; only who has
+ * asked for more than that is shown it, too.
+ */
+const SWEEP = [0.06, 0.04, 0.025, 0.015, 0.01];
+const FINEST = 0.006;
+export const sweepTolerances = (job) => (job.parameters?.e_max < 0.008 ? [...SWEEP, FINEST] : SWEEP);
 
 export const isSweep = (job) => job.processID === "sweep";
 
-/** Parameters that make two jobs comparable: all but the tolerance, the effort and the seed. */
+/**
+ * What makes two jobs comparable: the mesh, its size however it was asked for, and all parameters but the tolerance, the
+ * effort and the seed.
+ */
 function family(job) {
-  const { e_max, e_max_mm, effort, seed, ...rest } = job.parameters ?? {};
-  void [e_max, e_max_mm, effort, seed];
-  return `${job.inputs?.mesh?.sha256} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
+  const { e_max, e_max_mm, effort, seed, target_size, scale, ...rest } = job.parameters ?? {};
+  void [e_max, e_max_mm, effort, seed, target_size];
+  const { sha256, scale: inForce = scale ?? 1 } = job.inputs?.mesh ?? {};
+  return `${sha256} ${Number(inForce).toPrecision(9)} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
 }
 
 /** The jobs of the same mesh and parameters as `job`, itself included. */
@@ -78,3 +87,14 @@ export function sweepOf(job, all) {
   const good = new Set(["accepted", "running", "successful"]);
   return relatives(job, all).find((other) => isSweep(other) && good.has(other.status)) ?? null;
 }
+
+/** Tolerances of sweeps whose time ran out that no other sweep has found. */
+export function missingOf(job, all) {
+  const sweeps = relatives(job, all).filter((other) => isSweep(other) && other.status === "successful");
+  const found = new Set(sweeps.flatMap((sweep) => (sweep.report?.curve ?? []).map(({ e_max }) => e_max)));
+  const missing = new Set(sweeps.flatMap((sweep) => sweep.report?.missing ?? []));
+  return [...missing].filter((e_max) => !found.has(e_max)).sort((a, b) => b - a);
+}
+
+/** How far a sweep has come, in words: "2 of 5"; empty as long as it does not say so. */
+export const stepOf = (sweep) => /tolerance (\d+ of \d+)/.exec(sweep.message ?? "")?.[1] ?? "";

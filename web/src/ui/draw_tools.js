@@ -9,6 +9,9 @@ const MODES = [
   ["seam", "Draw seam", "pen", "Draw where a seam shall run. Drag beside the shape to turn it."],
   ["keep_out", "No seams", "brush", "Paint where no seam may run. Drag beside the shape to turn it."],
 ];
+const KEYS =
+  "Arrow keys move the cross, Enter sets a point, Backspace takes it back, Escape ends the line. Shift + arrow keys turn the shape.";
+const BY_KEYS = "Enter: draw by keys.";
 const [FINEST, WIDEST] = [0.02, 0.6]; // brush, as shares of the mesh's radius
 
 /** @param pen of the view  @param scale() millimetres for one unit */
@@ -39,11 +42,17 @@ export function drawTools(pen, guides, scale) {
       checked: mode === pen.mode,
       "aria-label": title,
       onchange: () => setMode(mode),
+      onfocus: () => showUndo(),
+      onblur: () => showUndo(),
+      onkeydown: (event) => {
+        if (event.key !== "Enter") return;
+        event.preventDefault();
+        pen.viewport.canvas.focus({ focusVisible: true });
+      },
     }),
   );
   function setMode(mode) {
     pen.setMode(mode);
-    hint.textContent = words();
     brush.hidden = mode !== "keep_out";
     setSize();
     showUndo();
@@ -53,11 +62,18 @@ export function drawTools(pen, guides, scale) {
     { type: "button", class: "tool", title: "Undo (Ctrl Z)", "aria-label": "Undo", onclick: () => guides.undo() },
     icon("undo", 18),
   );
-  const words = () => MODES.find(([mode]) => mode === pen.mode)[3];
+  const words = () => {
+    if (pen.keys.shown) return KEYS;
+    if (pen.mode !== "turn" && radios.some((radio) => radio.matches(":focus-visible"))) return BY_KEYS;
+    // Once something is drawn, it is known how.
+    return undo.hidden ? MODES.find(([mode]) => mode === pen.mode)[3] : "";
+  };
   const showUndo = () => {
     undo.hidden = guides.past.length === 0;
-    hint.hidden = !words() || !undo.hidden; // once something is drawn, it is known how
+    hint.textContent = words();
+    hint.hidden = !hint.textContent;
   };
+  pen.keys.onShown = showUndo;
   const stop = guides.onChange(showUndo);
   const onKey = (event) => {
     if (event.target.closest?.("input[type=text], textarea, select")) return;

@@ -4,13 +4,13 @@ import { h, replace } from "../dom.js";
 import { count, duration, metres, percent } from "../format.js";
 import { BEDS } from "../materials.js";
 import { recall, remember } from "../prefs.js";
-import { OF_MODEL, culpritOf, hrefOf, queryOfWish, usualWish } from "../result/export_wish.js";
+import { culpritOf, firstValues, hrefOf, queryOfWish, toRemember, usualWish } from "../result/export_wish.js";
 import { ExportForm } from "./export_form.js";
 import { icon } from "./icons.js";
 import { problemBox, wordsOf } from "./problem.js";
 
 const PAUSE = 350; // milliseconds without a change before the sheets are drawn again
-const QUICK = ["svg", "dxf", "pdf"];
+const QUICK = ["svg", "dxf", "pdf", "zip"];
 const ENDING = { "parts-svg": "svg", "parts-dxf": "dxf", frame: "stl", "parts-json": "json", "parts-csv": "csv" };
 
 export function exportPanel({ job, model, material, stops }) {
@@ -43,8 +43,8 @@ class ExportPanel {
     } catch (error) {
       return replace(this.element, problemBox(error));
     }
-    // Sheet and pages belong to material and parts, the rest to the workshop.
-    this.values = { ...recall("exports", {}), ...usualWish(this.material, this.model.parts) };
+    this.memory = `exports-${this.material.id}`; // paper goes another way than plywood
+    this.values = firstValues(usualWish(this.material, this.model.parts), recall(this.memory, {}));
     this.form = new ExportForm(this.parameters, this.values, () => this.changed());
     this.preview = h("div", { class: "sheet-preview" });
     this.summary = h("div", { class: "summary", role: "status" });
@@ -55,7 +55,7 @@ class ExportPanel {
   }
 
   changed() {
-    remember("exports", Object.fromEntries(Object.entries(this.values).filter(([name]) => !OF_MODEL.includes(name))));
+    remember(this.memory, toRemember(this.values));
     this.sheet = 1;
     clearTimeout(this.timer);
     this.turn = null;
@@ -77,7 +77,7 @@ class ExportPanel {
       if (this.turn !== turn) return;
       this.form.mark("");
       this.totals = totals;
-      replace(this.summary, summaryOf(totals), notes(warnings));
+      replace(this.summary, summaryOf(totals, this.values.profile !== "print"), notes(warnings));
       this.showLinks(true);
       await this.showSheet(turn);
     } catch (error) {
@@ -137,16 +137,21 @@ class ExportPanel {
   showLinks(good) {
     const all = this.formats.find((one) => one.format === "zip");
     const each = this.formats.filter((one) => one !== all);
+    // Who prints wants pages.
+    const print = this.values.profile === "print" && each.find((one) => one.format === "pdf");
     this.element.classList.toggle("nothing", !good);
     const link = (format) => (good ? { href: this.href(format), download: "" } : {});
-    const quick = each.filter(({ format }) => QUICK.includes(format));
+    const first = print
+      ? { format: "pdf", title: "PDF to print" }
+      : all && { format: "zip", title: "Everything as ZIP" };
+    const quick = this.formats.filter(({ format }) => QUICK.includes(format) && format !== first?.format);
     replace(
       this.archive,
-      all && h("a", { class: "button primary wide", ...link("zip") }, icon("download"), "Everything as ZIP"),
+      first && h("a", { class: "button primary wide", ...link(first.format) }, icon("download"), first.title),
       h(
         "p",
         { class: "quick" },
-        h("span", { class: "hint" }, "or only"),
+        h("span", { class: "hint" }, print ? "or" : "or only"),
         quick.map(({ format, title }) =>
           h(
             "a",
@@ -188,13 +193,14 @@ function sentences(...texts) {
   return texts.filter(Boolean).map((text) => h("p", {}, `${text[0].toUpperCase()}${text.slice(1)}.`));
 }
 
-function summaryOf(totals) {
+/** byMachine: scissors take as long as they take. */
+function summaryOf(totals, byMachine) {
   const figures = [
     count(totals.sheets, "sheet"),
     `${percent(totals.waste_share, 0)} waste`,
     `${metres(totals.cut_mm)} to cut`,
     totals.score_mm > 0 && `${metres(totals.score_mm)} to score`,
-    totals.minutes > 0 && `about ${duration(60 * totals.minutes)} on the machine`,
+    byMachine && totals.minutes > 0 && `about ${duration(60 * totals.minutes)} on the machine`,
   ];
   return h("p", { class: "hint" }, figures.filter(Boolean).join(" · "));
 }

@@ -1,5 +1,4 @@
 // The first thing one sees: where to drop a mesh, shapes to try, and one's jobs.
-import { fileHref } from "../api.js";
 import { h, replace } from "../dom.js";
 import { ACCEPTED, drafts } from "../drafts.js";
 import { ago, count, millimetres, percent } from "../format.js";
@@ -8,6 +7,7 @@ import { SAMPLES, sampleFile } from "../mesh/samples.js";
 import { pictureOf } from "../prefs.js";
 import { isSweep } from "../result/trade_off.js";
 import { scaleOf } from "../variants.js";
+import { cutPicture } from "./cut_picture.js";
 import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 
@@ -136,13 +136,13 @@ function thumbnail(job, urls) {
   // Another device, or a forgetful browser: the cut drawing is a picture, too.
   if (isSweep(job) && job.status === "successful") return icon("curve", 34);
   if (job.status === "successful")
-    return h("img", { class: "drawing", src: fileHref(job.jobID, "layout.svg"), alt: "", loading: "lazy" });
+    return cutPicture(job.jobID);
   return icon(job.status === "failed" ? "warn" : "cube", 34);
 }
 
 function subtitle(job) {
   const when = ago(job.created);
-  if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report?.curve ?? [])} · ${when}`;
+  if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report ?? {})} · ${when}`;
   if (job.status === "successful") {
     const { patches, hausdorff } = job.report ?? {};
     return [
@@ -160,11 +160,12 @@ function subtitle(job) {
   return `cancelled · ${when}`;
 }
 
-/** A sweep in words: "6 tolerances, 4 to 31 parts". */
-function rangeOf(curve) {
+/** A sweep in words: "6 tolerances, 4 to 31 parts"; when its time ran out, "4 of 6 tolerances". */
+function rangeOf({ curve = [], missing = [] }) {
   const parts = curve.map(({ patches }) => patches);
   const [least, most] = [Math.min(...parts), Math.max(...parts)];
-  return `${count(curve.length, "tolerance")}, ${least < most ? `${least} to ${most}` : least} parts`;
+  const done = missing.length > 0 ? `${curve.length} of ` : "";
+  return `${done}${count(curve.length + missing.length, "tolerance")}, ${least < most ? `${least} to ${most}` : least} parts`;
 }
 
 function errorText(job, hausdorff) {

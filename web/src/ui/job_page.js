@@ -6,7 +6,7 @@ import { count, duration, millimetres } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
 import { recall } from "../prefs.js";
-import { isSweep } from "../result/trade_off.js";
+import { isSweep, stepOf } from "../result/trade_off.js";
 import { asAsked, scaleOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
@@ -50,6 +50,7 @@ class JobPage {
 
   lost(error) {
     this.shown = "lost";
+    this.element.classList.add("alone");
     const gone = error.problem?.status === 404 && {
       title: "There is no such job",
       detail: "It was removed, or the link is not complete.",
@@ -139,7 +140,7 @@ class JobPage {
         ? `Waits: number ${job.queuePosition} in the queue`
         : "Starts in a moment"
       : isSweep(job)
-        ? "Comparing tolerances"
+        ? `Comparing tolerances ${stepOf(job)}`
         : "Making the sheets";
     bar.value = waiting ? 0 : job.progress;
     percentText.textContent = waiting ? "" : `${job.progress} %`;
@@ -193,8 +194,8 @@ class JobPage {
   }
 
   showEnded(job) {
-    // A mesh that was refused will be refused again.
-    const refused = job.exception?.status === 422;
+    // A mesh that was refused will be refused again; one that took too long may do with other settings.
+    const refused = job.exception?.status === 422 && !/(time|memory)-limit$/.test(job.exception.type ?? "");
     const another = h("a", { class: "button primary", href: "#" }, "Choose another mesh");
     const again = h(
       "button",
@@ -212,7 +213,7 @@ class JobPage {
         ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, ...ways)
         : h(
             "section",
-            {},
+            { class: "ended" },
             h("h2", {}, "Cancelled"),
             h("p", {}, "The job was stopped before it was done."),
             h("div", { class: "row" }, ways),

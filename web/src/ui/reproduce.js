@@ -14,34 +14,57 @@ export function askedFor(job, process) {
 }
 
 const word = (value) => (value === true ? "on" : value === false ? "off" : [value].flat().join(","));
-const quoted = (text) => (/^[\w./,:=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+const quoted = (text) => (/^[\w./,:=@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+/** A file as a field of curl's form, where commas, semicolons and quotes mean something. */
+const inForm = (file) => (/[,;"\\]/.test(file) ? `"${file.replaceAll(/["\\]/g, "\\$&")}"` : file);
+const GUIDES = "guides.json";
 
-/** `sweep`: the sweep that the job is a point of. But for the finest, a job on its own may find another result. */
+/** Address of what was drawn on the job's mesh; null when nothing was. */
+const guidesOf = (job) => job.links?.find(({ rel }) => rel === "guides")?.href ?? null;
+
+/**
+ * The commands that make a result again: on a terminal, and over HTTP. What was drawn on the shape goes with them as a
+ * file, which `guides` fetches (null when nothing was drawn).
+ * `sweep`: the sweep that the job is a point of. But for the finest, a job on its own may find another result.
+ */
 export function commands(job, process, origin, sweep = null) {
   const asked = askedFor(sweep ?? job, process);
   const name = sweep ? "sweep" : "decompose";
   const file = job.inputs?.mesh?.name || "mesh.obj";
-  const options = asked.map(([name, value]) => `--${name.replaceAll("_", "-")} ${quoted(word(value))}`).join(" ");
+  const options = asked.map(([name, value]) => `--${name.replaceAll("_", "-")} ${quoted(word(value))}`);
+  const drawn = guidesOf(job);
+  if (drawn) options.push(`--guides ${GUIDES}`);
+  const url = quoted(`${origin}/api/v1/processes/${name}/execution?${queryOf(Object.fromEntries(asked))}`);
+  const form = `-F ${quoted(`mesh=@${inForm(file)}`)} -F guides=@${GUIDES}`;
   return {
-    terminal: `sheetform ${name} ${quoted(file)} -o ${quoted(file.replace(/\.\w+$/, "") || "result")} ${options}`,
-    curl: `curl --data-binary @${quoted(file)} ${quoted(`${origin}/api/v1/processes/${name}/execution?${queryOf(Object.fromEntries(asked))}`)}`,
+    guides: drawn ? `curl -o ${GUIDES} ${quoted(new URL(drawn, origin).href)}` : null,
+    terminal: `sheetform ${name} ${quoted(file)} -o ${quoted(file.replace(/\.\w+$/, "") || "result")} ${options.join(" ")}`,
+    curl: `curl ${drawn ? form : `--data-binary ${quoted(`@${file}`)}`} ${url}`,
   };
 }
 
 export function reproduce(job, process) {
   const source = job.reusedFrom ? jobs.get(job.reusedFrom) : null;
   const sweep = source && isSweep(source) ? source : null;
-  const { terminal, curl } = commands(job, process, location.origin, sweep);
+  const { guides, terminal, curl } = commands(job, process, location.origin, sweep);
   return h(
     "details",
     { class: "more" },
     h("summary", {}, "Make it again"),
     copyRow("Link to this result", location.href),
+    guides && [
+      h(
+        "p",
+        {},
+        "What was drawn on the shape: ",
+        h("a", { href: guidesOf(job), download: GUIDES }, GUIDES),
+        ". The commands below want that file beside the mesh.",
+      ),
+      copyRow("Fetch it", guides),
+    ],
     copyRow("On a terminal", terminal),
     copyRow("Over HTTP", curl),
     sweep && h("p", { class: "hint" }, `Among the results is this one: ${percent(job.parameters.e_max)}.`),
-    job.links?.some(({ rel }) => rel === "guides") &&
-      h("p", { class: "hint" }, "What was drawn on the shape goes with the link only, not with the commands."),
     job.inputs?.mesh?.sha256 &&
       h(
         "p",

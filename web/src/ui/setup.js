@@ -26,7 +26,7 @@ export function setupPage({ go, stage, process }) {
     stage.element,
     panel,
   );
-  const page = { panel, stage, process, go, sending: null };
+  const page = { panel, main, stage, process, go, sending: null };
   let shown = null;
   const update = () => {
     const draft = drafts.draft;
@@ -65,11 +65,16 @@ export function setupPage({ go, stage, process }) {
 
 function showPanel(page, draft) {
   page.drawn?.stop();
+  page.main.classList.toggle("alone", Boolean(draft.error)); // there is nothing to see
   if (draft.error)
     return replace(
       page.panel,
       fileList(),
-      problemBox(draft.error, h("button", { type: "button", onclick: () => page.go("#") }, "Choose another file")),
+      h("header", { class: "file-head" }, h("h2", {}, draft.name)),
+      problemBox(
+        draft.error,
+        h("button", { type: "button", class: "primary", onclick: () => page.go("#") }, "Choose another file"),
+      ),
     );
   if (!draft.mesh) return replace(page.panel, fileList(), h("p", { class: "busy" }, `Reading ${draft.name} …`));
   const note = h("div", { class: "note-place" });

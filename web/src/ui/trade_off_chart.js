@@ -2,7 +2,7 @@
 import { freshId, h, replace, s } from "../dom.js";
 import { count, metres, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { COSTS, SWEEP, curve, sweepOf } from "../result/trade_off.js";
+import { COSTS, curve, missingOf, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
 import { startSweep } from "../variants.js";
 import { problemBox } from "./problem.js";
 
@@ -22,15 +22,17 @@ export function tradeOff(job, scale, stops) {
     replace(chart, draw(curve(mine, all, measure), mine, scale, measure));
     if (held) chart.querySelector(`a[href="${focus}"]`)?.focus();
     const sweep = sweepOf(mine, all);
+    const missing = missingOf(mine, all);
     if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
+    else if (missing.length > 0) replace(controls, missingButton(missing, diagonalOf(mine, scale), sending, start));
     else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
-    else replace(controls, startButton(sending, start));
+    else replace(controls, startButton(sweepTolerances(mine), sending, start));
   };
-  async function start() {
+  async function start(tolerances) {
     sending = true;
     update();
     try {
-      await startSweep(job, SWEEP);
+      await startSweep(job, tolerances);
       replace(note);
     } catch (error) {
       replace(note, problemBox(error));
@@ -55,23 +57,43 @@ export function tradeOff(job, scale, stops) {
   );
 }
 
-function startButton(sending, start) {
+function startButton(tolerances, sending, start) {
   return [
-    h("button", { type: "button", disabled: sending, onclick: start }, "Compare tolerances"),
-    h("p", { class: "hint" }, `Also makes it for ${SWEEP.length} tolerances from coarse to fine. Then choose a point.`),
+    h("button", { type: "button", disabled: sending, onclick: () => start(tolerances) }, "Compare tolerances"),
+    h(
+      "p",
+      { class: "hint" },
+      `Also makes it for ${tolerances.length} tolerances from coarse to fine. Then choose a point.`,
+    ),
+  ];
+}
+
+/** The time of a sweep ran out: what it found is there, the rest can be asked for. */
+function missingButton(missing, diagonal, sending, start) {
+  const words = missing.map((e_max) => (diagonal ? millimetres(e_max * diagonal) : percent(e_max)));
+  const rest = [words.slice(0, -1).join(", "), words.at(-1)].filter(Boolean).join(" and ");
+  return [
+    h("p", {}, `Time ran out before ${rest} ${missing.length === 1 ? "was" : "were"} looked at. Every point shown is complete.`),
+    h(
+      "button",
+      { type: "button", disabled: sending, onclick: () => start(missing) },
+      missing.length === 1 ? "Make the missing one" : `Make the ${missing.length} missing ones`,
+    ),
   ];
 }
 
 /** The bar stays the same element while it grows. */
 function showProgress(controls, sweep) {
   const bar = controls.querySelector("progress");
+  const text = `Comparing tolerances … ${stepOf(sweep)}`;
   if (bar) {
     bar.value = sweep.progress;
+    controls.querySelector(".busy").textContent = text;
     return;
   }
   replace(
     controls,
-    h("p", { class: "busy" }, "Comparing tolerances …"),
+    h("p", { class: "busy" }, text),
     h(
       "div",
       { class: "row sweeping" },
@@ -100,9 +122,12 @@ function measures(choose) {
   );
 }
 
+/** In millimetres; 0 when it is not known. */
+const diagonalOf = (job, scale) => (job.inputs?.mesh?.bboxDiagonal ?? 0) * scale;
+
 function draw(points, job, scale, measure) {
   if (points.length === 0) return h("p", { class: "hint" }, "The curve appears with the first result.");
-  const diagonal = (job.inputs?.mesh?.bboxDiagonal ?? 0) * scale;
+  const diagonal = diagonalOf(job, scale);
   // Lengths in metres of the finished object, or in diagonals where the size is not known.
   const unit = measure === "cut" && diagonal ? diagonal / 1000 : 1;
   const most = Math.max(...points.map((p) => p.cost * unit), measure === "parts" ? 2 : 0);

@@ -74,6 +74,7 @@ export function viewControls({ stage, model, mesh, material }) {
     stage.result.setValues(null);
     if (stage.input) {
       stage.input.setHeat(null);
+      stage.input.markPlaces([]);
       stage.input.asGhost(true);
     }
     stage.result.group.visible = true;

@@ -21,6 +21,21 @@ export class DepthPicker {
     this.viewport = viewport;
   }
 
+  /** Looks at `surface` again if the view has changed since the last time. */
+  keepUp(surface) {
+    const { camera, host } = this.viewport;
+    camera.updateMatrixWorld();
+    surface.updateWorldMatrix(true, false);
+    const same =
+      this.surface === surface &&
+      this.width === host.clientWidth &&
+      this.height === host.clientHeight &&
+      this.camera.matrixWorld.equals(camera.matrixWorld) &&
+      this.camera.projectionMatrix.equals(camera.projectionMatrix) &&
+      this.stood.equals(surface.matrixWorld);
+    if (!same) this.capture(surface);
+  }
+
   /** Looks at `surface` (a three.js Mesh in the scene) as it stands now. */
   capture(surface) {
     const { renderer, camera, host } = this.viewport;
@@ -38,7 +53,7 @@ export class DepthPicker {
     renderer.setClearColor(before.color, before.alpha);
     surface.material = before.used;
     target.dispose();
-    Object.assign(this, { width, height, surface, camera: camera.clone(false) });
+    Object.assign(this, { width, height, surface, camera: camera.clone(false), stood: surface.matrixWorld.clone() });
   }
 
   /** The place on the surface under a pixel of the window, as [x, y, z] of the surface's own frame; null beside it. */

@@ -3,7 +3,9 @@ import { h, oncePerFrame, replace, s } from "../dom.js";
 import { millimetres } from "../format.js";
 import { labelPlace } from "../result/label_place.js";
 import { seamPlaces } from "../result/seam_places.js";
+import { spread } from "../result/spread.js";
 
+const APART = 22; // pixels between the numbers of seams
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 
 export class FlatView {
@@ -65,27 +67,35 @@ export class FlatView {
       s("path", { class: "cut", d: outline }),
       this.seamPaths(part, at),
       label,
-      this.seamNames(part),
     );
-    return { group, label, room: place.room };
+    const names = this.seamNames(part);
+    group.append(...names.map(({ element }) => element));
+    return { group, label, names, room: place.room };
   }
 
   /** The numbers of the part's seams; they show while the part is chosen. */
   seamNames(part) {
-    return seamPlaces(part, this.model.flat, 2).map(({ seam, at: [x, y] }) =>
-      s(
+    return seamPlaces(part, this.model.flat, 2).map(({ seam, at: [x, y] }) => ({
+      at: [x, -y],
+      element: s(
         "text",
-        {
-          class: "seam-name",
-          "data-seam": seam,
-          x: x.toFixed(2),
-          y: (-y).toFixed(2),
-          "text-anchor": "middle",
-          "dominant-baseline": "central",
-        },
+        { class: "seam-name", "data-seam": seam, "text-anchor": "middle", "dominant-baseline": "central" },
         this.model.seams.find((item) => item.id === seam)?.name ?? seam,
       ),
+    }));
+  }
+
+  /** Those of the chosen part, none on another. */
+  placeNames() {
+    const names = this.parts?.[this.chosen]?.names ?? [];
+    const places = spread(
+      names.map(({ at }) => at),
+      APART / this.view.zoom,
     );
+    names.forEach(({ element }, k) => {
+      element.setAttribute("x", places[k][0].toFixed(2));
+      element.setAttribute("y", places[k][1].toFixed(2));
+    });
   }
 
   /** One wide, unseen stroke per seam and part: what the pointer meets; it shows when the seam is chosen. */
@@ -106,6 +116,8 @@ export class FlatView {
       group.classList.toggle("lit", hovered === k || seamParts.includes(this.model.parts[k].id));
       group.classList.toggle("chosen", selected === k);
     });
+    this.chosen = selected;
+    this.placeNames();
     this.content.classList.toggle("some", selected !== null || chosenSeam !== null);
     for (const path of this.content.querySelectorAll(".seam.lit")) path.classList.remove("lit");
     if (seam !== null)
@@ -170,6 +182,7 @@ export class FlatView {
       label.style.display = size * zoom < 6 ? "none" : "";
     }
     this.content.style.setProperty("--seam-name", `${(12 / zoom).toFixed(3)}px`);
+    this.placeNames();
     this.drawMat();
   }
 

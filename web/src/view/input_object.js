@@ -10,6 +10,7 @@ import {
   Mesh,
   MeshLambertMaterial,
 } from "three";
+import { fatLines, setSegments } from "./fat_lines.js";
 import { Marks } from "./marks.js";
 import { heatColor, themeColor } from "./theme.js";
 
@@ -32,12 +33,17 @@ export class InputObject {
     });
     this.surface = new Mesh(geometry, this.material);
     this.borders = lines(mesh.borders);
-    this.crowded = lines(mesh.crowded);
+    this.crowded = fatLines(4, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 });
+    setSegments(this.crowded, mesh.crowded);
     this.box = boxLines(mesh.box, mesh.center);
     this.marks = new Marks();
     this.group.add(this.surface, this.borders, this.crowded, this.box, this.marks.group);
     this.radius = radiusOf(mesh);
     this.recolor();
+  }
+
+  setResolution(width, height) {
+    this.crowded.material.resolution.set(width, height);
   }
 
   recolor() {
@@ -64,7 +70,8 @@ export class InputObject {
 
   /** As an overlay over the result: a ghost, without box. */
   asGhost(on) {
-    this.box.visible = this.borders.visible = this.crowded.visible = !on;
+    this.box.visible = this.borders.visible = !on;
+    this.crowded.visible = !on && this.mesh.crowded.length > 0;
     Object.assign(this.material, { transparent: on, opacity: on ? 0.38 : 1, depthWrite: !on });
     this.material.needsUpdate = true;
   }

@@ -2,10 +2,17 @@
 import { Trail } from "../guides.js";
 import { h } from "../dom.js";
 import { DepthPicker } from "./depth_picker.js";
+import { KeyPen } from "./key_pen.js";
 
 const STEP = 0.012; // of the mesh's radius: from one place of a stroke to the next
 const LEAP = 0.15; // of the mesh's radius: farther is another stroke
 const PIXELS = 3; // between two looks at the surface
+const DRAWS = {
+  role: "application",
+  label:
+    "Drawing on the shape. Arrow keys move a cross, Enter sets a point, Backspace takes it back, Escape ends the line. " +
+    "Shift and arrow keys turn the shape.",
+};
 
 export class Pen {
   mode = "turn"; // "turn", "seam", "keep_out"
@@ -14,14 +21,16 @@ export class Pen {
   /**
    * @param viewport @param input what is drawn on (an InputObject)
    * @param onPreview(strokes) while a stroke is drawn, none when it was given up  @param onStrokes(strokes) at its end
+   * @param scale() millimetres for one unit
    */
-  constructor(viewport, input, { onPreview, onStrokes }) {
+  constructor(viewport, input, { onPreview, onStrokes, scale }) {
     Object.assign(this, { viewport, input, onPreview, onStrokes });
     this.picker = new DepthPicker(viewport);
     this.radius = input.radius * 0.12;
     this.ring = h("div", { class: "brush-ring", hidden: true });
     viewport.host.append(this.ring);
     this.replayed = new WeakSet();
+    this.keys = new KeyPen(this, scale);
     const listeners = {
       pointerdown: (event) => this.down(event),
       pointermove: (event) => this.move(event),
@@ -38,7 +47,9 @@ export class Pen {
 
   setMode(mode) {
     this.giveUp();
+    this.keys.hide();
     this.mode = mode;
+    this.viewport.setUse(mode === "turn" ? null : DRAWS);
     this.viewport.canvas.classList.toggle("draws", mode !== "turn");
     this.showRing(null);
   }
@@ -59,7 +70,7 @@ export class Pen {
     event.stopPropagation();
     this.viewport.canvas.setPointerCapture(event.pointerId);
     this.begun = event;
-    this.trail = new Trail(STEP * this.input.radius, LEAP * this.input.radius);
+    this.trail = this.newTrail();
     this.trail.add(place);
     this.preview();
   }
@@ -75,38 +86,52 @@ export class Pen {
   }
 
   /** Looks at the surface all along the way of the pointer. */
-  follow([x, y]) {
-    const [x0, y0] = this.pixel;
-    const steps = Math.max(1, Math.ceil(Math.hypot(x - x0, y - y0) / PIXELS));
+  follow(pixel) {
     let grown = false;
-    for (let k = 1; k <= steps; k++) {
-      const t = k / steps;
-      grown = this.trail.add(this.picker.at(x0 + (x - x0) * t, y0 + (y - y0) * t)) || grown;
-    }
-    this.pixel = [x, y];
+    for (const place of this.places(this.pixel, pixel)) grown = this.trail.add(place) || grown;
+    this.pixel = pixel;
     return grown;
+  }
+
+  /** What the picker saw from one pixel (not included) to another; null beside the surface. */
+  places([x0, y0], [x, y]) {
+    const steps = Math.max(1, Math.ceil(Math.hypot(x - x0, y - y0) / PIXELS));
+    return Array.from({ length: steps }, (_, k) => {
+      const t = (k + 1) / steps;
+      return this.picker.at(x0 + (x - x0) * t, y0 + (y - y0) * t);
+    });
+  }
+
+  /** The place under a pixel in the view as it is now. */
+  look(x, y) {
+    this.picker.keepUp(this.input.surface);
+    return this.picker.at(x, y);
+  }
+
+  newTrail() {
+    return new Trail(STEP * this.input.radius, LEAP * this.input.radius);
   }
 
   up(event) {
     if (!this.trail || event.pointerId !== this.begun.pointerId) return;
     event.stopPropagation();
-    const strokes = this.strokes();
+    const strokes = this.strokesOf(this.trail);
     this.trail = null;
     this.onPreview([]);
     if (strokes.length > 0) this.onStrokes(strokes);
   }
 
-  /** The strokes so far in the frame of the file, with as many digits as a mesh has. */
-  strokes() {
+  /** The strokes of a trail in the frame of the file, with as many digits as a mesh has. */
+  strokesOf(trail) {
     const { center } = this.input.mesh;
     const inFile = (place) => place.map((value, axis) => Number((value + center[axis]).toPrecision(9)));
-    return this.trail
+    return trail
       .strokes(this.mode, Number(this.radius.toPrecision(6)))
       .map((stroke) => ({ ...stroke, points: stroke.points.map(inFile) }));
   }
 
   preview() {
-    this.onPreview(this.strokes());
+    this.onPreview(this.strokesOf(this.trail));
   }
 
   giveUp() {
@@ -145,7 +170,9 @@ export class Pen {
 
   dispose() {
     this.stop();
+    this.keys.dispose();
     this.ring.remove();
+    this.viewport.setUse(null);
     this.viewport.canvas.classList.remove("draws");
   }
 }

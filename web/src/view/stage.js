@@ -38,7 +38,9 @@ export class Stage {
     this.selectionListeners = new Set();
     this.drag = null;
     this.start3d();
-    this.view3d.append(this.labels, this.left, this.tools, this.message);
+    // The tools that say what the keys on the canvas do come before it.
+    this.view3d.prepend(this.left);
+    this.view3d.append(this.labels, this.tools, this.message);
     this.host3d.append(this.bottom);
     this.listenToDivider();
     onThemeChange(() => this.recolor());
@@ -56,7 +58,7 @@ export class Stage {
       return;
     }
     this.viewport.onFrame((what, width, height) => {
-      if (what === "resize") for (const shown of [this.result, this.drawn]) shown?.setResolution(width, height);
+      if (what === "resize") for (const shown of [this.result, this.drawn, this.input]) shown?.setResolution(width, height);
       this.placeLabels();
     });
     this.pickSoon = oncePerFrame((event) => this.hover(this.under(event)));
@@ -104,6 +106,7 @@ export class Stage {
     this.element.classList.remove("empty");
     if (!this.viewport) return;
     this.input = new InputObject(mesh);
+    this.input.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
     this.input.markPlaces(places);
     this.viewport.root.add(this.input.group);
     this.viewport.setUp(up);
@@ -137,6 +140,7 @@ export class Stage {
     const pen = new Pen(this.viewport, this.input, {
       onPreview: (strokes) => this.drawn.update(strokes),
       onStrokes: (strokes) => guides.add(...strokes),
+      scale: () => this.scale,
     });
     const tools = drawTools(pen, guides, () => this.scale);
     replace(this.left, tools.element);
@@ -190,17 +194,17 @@ export class Stage {
       {
         type: "button",
         class: "tool",
-        title: "Which axis points up",
+        title: "Lies on its side? Choose the axis that points up",
         onclick: () => {
           this.up = this.up === "z" ? "y" : "z";
           this.viewport.setUp(this.up);
           this.setScale(this.scale);
-          up.lastChild.textContent = `${this.up} up`;
+          up.lastChild.textContent = `Up: ${this.up}`;
           onUp?.(this.up);
         },
       },
       icon("cube", 18),
-      h("span", {}, `${this.up} up`),
+      h("span", {}, `Up: ${this.up}`),
     );
     const fit = h(
       "button",

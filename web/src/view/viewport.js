@@ -25,8 +25,8 @@ export class Viewport {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, stencil: true, powerPreference: "low-power" });
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", label);
+    this.usual = { role: "img", label };
+    this.setUse(null);
     this.canvas.className = "canvas3d";
     host.append(this.canvas);
 
@@ -34,6 +34,7 @@ export class Viewport {
     this.root = new Group(); // turned so that the model's up axis is the world's y
     this.scene.add(this.root);
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 100);
+    this.lastAspect = this.camera.aspect; // what is fitted before the window has a size is fitted for this
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -49,6 +50,13 @@ export class Viewport {
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
     this.home();
+  }
+
+  /** What it is to a screen reader: {role, label}; null = as it was made. */
+  setUse(use) {
+    const { role, label } = use ?? this.usual;
+    this.canvas.setAttribute("role", role);
+    this.canvas.setAttribute("aria-label", label);
   }
 
   addLights() {
@@ -117,7 +125,7 @@ export class Viewport {
   }
 
   keepDistance() {
-    if (this.lastAspect && this.lastAspect !== this.camera.aspect) {
+    if (this.lastAspect !== this.camera.aspect) {
       const aspect = this.camera.aspect;
       this.camera.aspect = this.lastAspect;
       const factor = this.camera.position.distanceTo(this.controls.target) / this.distanceFor(this.radius);
