@@ -127,6 +127,9 @@ class Watch {
       ::poll(ends.data(), ends.size(), static_cast<int>(kTick.count()));
       read_log();
       read_status();
+      // A pipe that the child has closed is ready for ever; waiting for it would keep a processor busy.
+      if (ends[0].revents == POLLHUP) status_.reset();
+      if (ends[1].revents == POLLHUP) log_.reset();
       if (ends[2].revents != 0) reap();
       if (!gone_) check_times();
     }

@@ -190,6 +190,12 @@ class Server:
         listed = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.pid)], stdout=subprocess.PIPE)
         return [int(p) for p in listed.stdout.split()]
 
+    def processor_seconds(self):
+        """Time that the server itself has used, its children not counted."""
+        with open(f"/proc/{self.process.pid}/stat") as f:
+            fields = f.read().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def memory(self):
         """Resident bytes of the server; 0 when most of them are a sanitizer's."""
         if os.environ.get("SHEETFORM_SANITIZED"):
