@@ -39,7 +39,9 @@ Pipe make_pipe() {
 }
 
 Descriptor make_request_file(const WorkerRequest& request) {
-  const std::string text = to_text(request);
+  WorkerRequest whole = request;
+  whole.parent = ::getpid();
+  const std::string text = to_text(whole);
   const Descriptor memory(::memfd_create("request", MFD_CLOEXEC));
   if (!memory.valid() || ::write(memory.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
     refuse("request of the child");

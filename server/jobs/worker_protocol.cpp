@@ -81,7 +81,8 @@ std::string to_text(const WorkerRequest& r) {
                         {"memory", r.memory},
                         {"fileBytes", r.file_bytes},
                         {"cpuSeconds", r.cpu_seconds},
-                        {"sandbox", r.sandbox}});
+                        {"sandbox", r.sandbox},
+                        {"parent", r.parent}});
 }
 
 WorkerRequest worker_request_from(const std::string& text) {
@@ -97,6 +98,7 @@ WorkerRequest worker_request_from(const std::string& text) {
   r.file_bytes = value.at("fileBytes");
   r.cpu_seconds = value.at("cpuSeconds");
   r.sandbox = value.at("sandbox");
+  r.parent = value.value("parent", 0);
   return r;
 }
 

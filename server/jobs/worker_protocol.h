@@ -29,6 +29,7 @@ struct WorkerRequest {
   std::uint64_t memory = 0, file_bytes = 0;
   int cpu_seconds = 0;
   bool sandbox = true;
+  int parent = 0;  ///< the process that the child must not outlive; 0: whichever started it
 };
 std::string to_text(const WorkerRequest& request);
 /// Throws nlohmann's exceptions on anything else than to_text's answer.

@@ -52,7 +52,9 @@ class Answer:
 class Server:
     """One server process and its data folder. Use as a context."""
 
-    def __init__(self, *options, fake=True, data=None, env=None, wait=True):
+    def __init__(self, *options, fake=True, data=None, env=None, wait=True, below=()):
+        """below: a command that starts the program in surroundings of its own."""
+        self.below = below
         self.data = data or tempfile.mkdtemp(prefix="sheetform-test-")
         self.own_data = data is None
         self.options = ["--log", "json", *options]
@@ -71,7 +73,7 @@ class Server:
         begin = self.log.tell()
         listen = next((o for i, o in enumerate(self.options) if self.options[i - 1] == "--listen"), None)
         options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
-        self.process = subprocess.Popen([PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
+        self.process = subprocess.Popen([*self.below, PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
                                         stdout=subprocess.DEVNULL, env=self.env)
         self.begin = begin
         if wait:

@@ -112,6 +112,16 @@ class Restart(unittest.TestCase):
             bad = server.request("POST", f"{EXECUTION}?filename=bad.obj", b"v 0 0 zero\n")
             self.assertEqual((bad.status, bad.slug()), (422, "unreadable-mesh"))
 
+    def test_as_the_first_process_of_a_container(self):
+        ways = (["unshare", "--pid", "--fork", "--mount-proc", "--kill-child"],
+                ["unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc", "--kill-child"])
+        below = next((w for w in ways if subprocess.run([*w, "true"], stderr=subprocess.DEVNULL).returncode == 0), None)
+        if below is None:
+            self.skipTest("no namespaces here")
+        for fake in (True, False):
+            with Server(fake=fake, below=below) as server:
+                self.assertEqual(server.wait(server.submit(arc(), name="arc.obj")["jobID"], timeout=60)["status"], "successful")
+
     def test_one_server_a_data_folder(self):
         with Server() as server:
             other = subprocess.run([PROGRAM, "serve", "--data", server.data, "--listen", "127.0.0.1:0"],

@@ -100,6 +100,8 @@ TEST(WorkerProtocol, RequestRoundTrips) {
   r.file_bytes = 7;
   r.cpu_seconds = 9;
   r.sandbox = false;
+  r.parent = 11;
+  EXPECT_EQ(worker_request_from(to_text(r)).parent, 11);
   EXPECT_EQ(to_text(worker_request_from(to_text(r))), to_text(r));
 }
 
