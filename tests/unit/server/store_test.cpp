@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
+#include <thread>
 
 #include "server/base/digest.h"
 #include "server/base/identity.h"
@@ -122,6 +125,43 @@ TEST_F(JobStoreTest, TheLineIsWhatTheRowsSayWhateverHappens) {
   store_.recover();
   check(store_);
   check(JobStore(folder_.path() / "sheetform.db"));
+}
+
+TEST_F(JobStoreTest, ManyAtOnceKeepTheLineRight) {
+  constexpr int kThreads = 4, kJobs = 40;
+  std::atomic<int> ended{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([this] {
+      for (int j = 0; j < kJobs; ++j) {
+        const JobRecord job = store_.accept(new_job());
+        EXPECT_GE(store_.queue_position(job), 0);
+        EXPECT_LE(store_.waiting(job.principal), kThreads * kJobs);
+      }
+    });
+    threads.emplace_back([this, i, &ended] {
+      for (int j = 0; j < kJobs / 2; ++j) {
+        const auto claimed = store_.claim(now_us());
+        if (!claimed) continue;
+        if (i % 2 == 0) {
+          store_.fail(*claimed, "{}", "no", Requeue::kError);
+          ++ended;
+        } else {
+          store_.requeue(*claimed, Requeue::kError, now_us(), "again");
+        }
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(store_.waiting(std::nullopt), kThreads * kJobs - ended);
+  JobFilter filter;
+  filter.states = {JobState::kAccepted};
+  filter.limit = 1000;
+  std::set<std::int64_t> places;
+  for (const JobRecord& job : store_.list(filter)) places.insert(store_.queue_position(job));
+  ASSERT_EQ(static_cast<int>(places.size()), kThreads * kJobs - ended);
+  EXPECT_EQ(*places.begin(), 1);
+  EXPECT_EQ(*places.rbegin(), kThreads * kJobs - ended);
 }
 
 TEST_F(JobStoreTest, PrincipalsTakeTurns) {
