@@ -7,6 +7,7 @@
 #include "server/base/version.h"
 #include "server/cli/commands.h"
 #include "server/cli/help.h"
+#include "server/jobs/nursery.h"
 #include "server/jobs/worker_command.h"
 #include "server/mapping/errors.h"
 
@@ -50,6 +51,7 @@ int run_command(const std::vector<std::string>& arguments) {
     return arguments.empty() ? kExitUsage : kExitOk;
   }
   if (name == "worker") return worker_command();
+  if (name == "nursery") return nursery_command();
   const Command* command = find_command(name == "--version" ? "version" : name);
   if (command == nullptr)
     throw Error(ErrorCode::kInvalidParameter, "there is no command " + name, "command line",

@@ -147,13 +147,12 @@ std::string BodyReader::receive() {
   check_speed();
   if (!wait_for(fd_, POLLIN, patience_.stall))
     throw BodyError(api::ProblemType::kRequestTimeout, "the body did not come");
-  std::string piece(kPiece, '\0');
-  const ssize_t got = ::recv(fd_, piece.data(), piece.size(), 0);
+  room_.resize(kPiece);
+  const ssize_t got = ::recv(fd_, room_.data(), room_.size(), 0);
   if (got < 0 && (errno == EINTR || errno == EAGAIN)) return {};
   if (got <= 0)
     throw BodyError(api::ProblemType::kMalformedRequest, "the connection ended before the body did");
-  piece.resize(static_cast<std::size_t>(got));
-  return piece;
+  return room_.substr(0, static_cast<std::size_t>(got));
 }
 
 std::string BodyReader::take_plain(std::string raw) {

@@ -72,7 +72,7 @@ class BodyReader {
   std::string take_chunked(std::string raw);
 
   int fd_;
-  std::string buffered_;
+  std::string buffered_, room_;  // what came with the head; where the socket is read to
   bool chunked_, continue_pending_, finished_ = false;
   std::uint64_t left_ = 0, limit_ = 0, bytes_ = 0;
   Sha256* hash_ = nullptr;

@@ -72,7 +72,7 @@ const char* word(bool good) { return good ? "ok" : "failing"; }
 
 bool store_answers(const ApiParts& parts) {
   try {
-    (void)parts.service.store().waiting(std::nullopt);
+    parts.service.store().probe();
     return true;
   } catch (const StoreError&) {
     return false;

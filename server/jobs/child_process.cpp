@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -23,16 +22,8 @@ constexpr std::size_t kLogBytes = 256 * 1024;
 constexpr int kLinesPerSecond = 200;                        // more is no progress, it is a flood
 constexpr auto kPatience = std::chrono::milliseconds(500);  // between SIGTERM and SIGKILL
 constexpr auto kTick = std::chrono::milliseconds(250);
-constexpr int kFirstHighDescriptor = 16;  // above every number that the child is given
 
 [[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
-
-/// A copy of `fd` that no number of the child's table collides with.
-Descriptor high_copy(int fd) {
-  const int copy = ::fcntl(fd, F_DUPFD_CLOEXEC, kFirstHighDescriptor);
-  if (copy < 0) refuse("dup");
-  return Descriptor(copy);
-}
 
 struct Pipe {
   Descriptor read_end, write_end;
@@ -48,7 +39,9 @@ Pipe make_pipe() {
 }
 
 Descriptor make_request_file(const WorkerRequest& request) {
-  const std::string text = to_text(request);
+  WorkerRequest whole = request;
+  whole.parent = ::getpid();
+  const std::string text = to_text(whole);
   const Descriptor memory(::memfd_create("request", MFD_CLOEXEC));
   if (!memory.valid() || ::write(memory.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
     refuse("request of the child");
@@ -56,54 +49,12 @@ Descriptor make_request_file(const WorkerRequest& request) {
   return high_copy(memory.get());
 }
 
-/// The actions and attributes of posix_spawn, freed at the end.
-class SpawnPlan {
- public:
-  SpawnPlan() {
-    ::posix_spawn_file_actions_init(&actions_);
-    ::posix_spawnattr_init(&attributes_);
-    sigset_t none, all;
-    ::sigemptyset(&none);
-    ::sigfillset(&all);
-    ::posix_spawnattr_setsigmask(&attributes_, &none);
-    ::posix_spawnattr_setsigdefault(&attributes_, &all);
-    ::posix_spawnattr_setpgroup(&attributes_, 0);
-    ::posix_spawnattr_setflags(&attributes_,
-                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  }
-  ~SpawnPlan() {
-    ::posix_spawn_file_actions_destroy(&actions_);
-    ::posix_spawnattr_destroy(&attributes_);
-  }
-  SpawnPlan(const SpawnPlan&) = delete;
-  SpawnPlan& operator=(const SpawnPlan&) = delete;
-
-  void give(int fd, int as) { ::posix_spawn_file_actions_adddup2(&actions_, fd, as); }
-  void give_null(int as, int flags) {
-    ::posix_spawn_file_actions_addopen(&actions_, as, "/dev/null", flags, 0);
-  }
-  pid_t start(const std::string& path) {
-    ::posix_spawn_file_actions_addclosefrom_np(&actions_, kRequestDescriptor + 1);
-    std::string program = "sheetform", command = "worker", arenas = "MALLOC_ARENA_MAX=2";
-    std::array<char*, 3> arguments{program.data(), command.data(), nullptr};
-    std::array<char*, 2> environment{arenas.data(), nullptr};
-    pid_t pid = -1;
-    const int error =
-        ::posix_spawn(&pid, path.c_str(), &actions_, &attributes_, arguments.data(), environment.data());
-    if (error != 0) throw std::system_error(error, std::generic_category(), "start of the child");
-    return pid;
-  }
-
- private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
-};
-
-void give_or_null(SpawnPlan& plan, const Descriptor& fd, int as) {
-  if (fd.valid())
-    plan.give(fd.get(), as);
-  else
-    plan.give_null(as, O_RDONLY);
+pid_t begin_child(const ChildTask& task, const ChildDescriptors& descriptors) {
+  if (task.nursery != nullptr)
+    if (const pid_t pid = task.nursery->begin(descriptors); pid > 0) return pid;
+  SpawnPlan plan;
+  plan.give_all(descriptors);
+  return plan.start(task.program, "worker");
 }
 
 /// The running child and what has been heard from it.
@@ -127,6 +78,9 @@ class Watch {
       ::poll(ends.data(), ends.size(), static_cast<int>(kTick.count()));
       read_log();
       read_status();
+      // A pipe that the child has closed is ready for ever; waiting for it would keep a processor busy.
+      if (ends[0].revents == POLLHUP) status_.reset();
+      if (ends[1].revents == POLLHUP) log_.reset();
       if (ends[2].revents != 0) reap();
       if (!gone_) check_times();
     }
@@ -160,15 +114,8 @@ void Watch::start() {
   const Descriptor request = make_request_file(task_.request);
   const Descriptor input = task_.input >= 0 ? high_copy(task_.input) : Descriptor();
   const Descriptor folder = task_.folder >= 0 ? high_copy(task_.folder) : Descriptor();
-  SpawnPlan plan;
-  plan.give_null(0, O_RDONLY);
-  plan.give(log.write_end.get(), 1);
-  plan.give(log.write_end.get(), 2);
-  give_or_null(plan, input, kInputDescriptor);
-  give_or_null(plan, folder, kFolderDescriptor);
-  plan.give(status.write_end.get(), kStatusDescriptor);
-  plan.give(request.get(), kRequestDescriptor);
-  pid_ = plan.start(task_.program);
+  pid_ = begin_child(task_,
+                     {log.write_end.get(), input.get(), folder.get(), status.write_end.get(), request.get()});
   pid_file_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
   status_ = std::move(status.read_end);
   log_ = std::move(log.read_end);

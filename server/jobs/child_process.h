@@ -6,6 +6,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/descriptor.h"
+#include "server/jobs/nursery.h"
 #include "server/jobs/worker_protocol.h"
 
 namespace sheetform::server {
@@ -23,10 +24,13 @@ class StopSignal {
   std::atomic<bool> raised_{false};
 };
 
+inline constexpr const char* kOwnProgram = "/proc/self/exe";
+
 struct ChildTask {
-  std::string program = "/proc/self/exe";  ///< called with the one argument `worker`
-  int input = -1;                          ///< descriptor of the mesh, may be -1
-  int folder = -1;                         ///< descriptor of the folder to write into, may be -1
+  std::string program = kOwnProgram;  ///< called with the one argument `worker`
+  Nursery* nursery = nullptr;         ///< begins the child in place of `program`, when there is one
+  int input = -1;                     ///< descriptor of the mesh, may be -1
+  int folder = -1;                    ///< descriptor of the folder to write into, may be -1
   WorkerRequest request;
   std::chrono::seconds wall{900}, stall{120};
   const StopSignal* stop = nullptr;  ///< asks the child to end; killed half a second later

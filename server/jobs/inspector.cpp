@@ -37,6 +37,7 @@ Inspection Inspector::inspect(int fd, const std::string& name, const api::Json& 
   std::optional<api::Problem> told;
   ChildTask task;
   task.program = program_;
+  task.nursery = nursery_;
   task.input = fd;
   task.request.mode = WorkerMode::kInspect;
   task.request.name = name;

@@ -16,8 +16,8 @@ struct Inspection {
 
 class Inspector {
  public:
-  Inspector(const ServiceLimits& limits, int at_once, bool sandbox, std::string program)
-      : limits_(limits), free_(at_once), sandbox_(sandbox), program_(std::move(program)) {}
+  Inspector(const ServiceLimits& limits, int at_once, bool sandbox, std::string program, Nursery* nursery)
+      : limits_(limits), free_(at_once), sandbox_(sandbox), program_(std::move(program)), nursery_(nursery) {}
   /// fd: the mesh, any offset. Waits while as many as allowed run already.
   Inspection inspect(int fd, const std::string& name, const api::Json& parameters);
 
@@ -28,6 +28,7 @@ class Inspector {
   int free_;
   bool sandbox_;
   std::string program_;
+  Nursery* nursery_;
 };
 
 }  // namespace sheetform::server

@@ -59,6 +59,11 @@ RunnerParts parts_of(JobStore& jobs, BlobStore& blobs, InputStore& inputs, Event
 
 int inspections_at_once() { return std::max(2, static_cast<int>(std::thread::hardware_concurrency())); }
 
+/// Another program than our own may not have one.
+std::unique_ptr<Nursery> nursery_of(const ServiceOptions& options) {
+  return options.worker == kOwnProgram ? std::make_unique<Nursery>(options.worker) : nullptr;
+}
+
 /// Everything that decides the bytes of a result.
 std::string reuse_key(const NewJob& job) {
   Sha256 hash;
@@ -162,7 +167,8 @@ JobService::JobService(ServiceOptions options)
       jobs_(options_.data / "sheetform.db"),
       blobs_(options_.data / "blobs.db"),
       inputs_(options_.data),
-      inspector_(options_.limits, inspections_at_once(), options_.sandbox, options_.worker),
+      nursery_(nursery_of(options_)),
+      inspector_(options_.limits, inspections_at_once(), options_.sandbox, options_.worker, nursery_.get()),
       exporter_(options_.limits, blobs_, options_.sandbox, options_.worker),
       pool_(parts_of(jobs_, blobs_, inputs_, bus_, options_, content_)) {
   const int recovered = jobs_.recover();

@@ -18,8 +18,8 @@ struct ServiceOptions {
   std::filesystem::path data;
   ServiceLimits limits;
   bool sandbox = true;
-  std::string worker = "/proc/self/exe";  ///< program of the jobs' processes
-  std::string profiles;                   ///< the operator's own profiles of exports, JSON; empty: none
+  std::string worker = kOwnProgram;  ///< program of the jobs' processes
+  std::string profiles;              ///< the operator's own profiles of exports, JSON; empty: none
 };
 
 /// An upload with everything that decides about it.
@@ -107,6 +107,7 @@ class JobService {
   BlobStore blobs_;
   InputStore inputs_;
   EventBus bus_;
+  std::unique_ptr<Nursery> nursery_;
   Inspector inspector_;
   Exporter exporter_;
   std::shared_mutex content_;

@@ -198,12 +198,14 @@ bool can_write_below(int folder) {
 }  // namespace
 
 SandboxLimits limits_of(const WorkerRequest& request) {
-  return {request.memory, request.file_bytes, request.cpu_seconds, request.mode != WorkerMode::kDecompose};
+  return {request.memory, request.file_bytes, request.cpu_seconds, request.parent,
+          request.mode != WorkerMode::kDecompose};
 }
 
 void lower_process(const SandboxLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() == 1 && ::getpid() != 1) ::_exit(70);  // the parent died before the line above
+  // The parent died before the line above. In a container it may well be process 1.
+  if (limits.parent > 0 && ::getppid() != limits.parent) ::_exit(70);
   ::prctl(PR_SET_DUMPABLE, 0);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_NOFILE, 64);

@@ -12,6 +12,7 @@ struct SandboxLimits {
   std::uint64_t memory = 0;      ///< bytes of address space; 0: no limit
   std::uint64_t file_bytes = 0;  ///< largest file; 0: no limit
   int cpu_seconds = 0;           ///< 0: no limit
+  int parent = 0;                ///< process whose death is this one's; 0: whichever started it
   bool awaited = false;  ///< a client waits for it: before the jobs, but still after the server itself
 };
 

@@ -82,7 +82,8 @@ std::string to_text(const WorkerRequest& r) {
                         {"fileBytes", r.file_bytes},
                         {"cpuSeconds", r.cpu_seconds},
                         {"wallSeconds", r.wall_seconds},
-                        {"sandbox", r.sandbox}});
+                        {"sandbox", r.sandbox},
+                        {"parent", r.parent}});
 }
 
 WorkerRequest worker_request_from(const std::string& text) {
@@ -99,6 +100,7 @@ WorkerRequest worker_request_from(const std::string& text) {
   r.cpu_seconds = value.at("cpuSeconds");
   r.wall_seconds = value.value("wallSeconds", 0);
   r.sandbox = value.at("sandbox");
+  r.parent = value.value("parent", 0);
   return r;
 }
 

@@ -30,6 +30,7 @@ struct WorkerRequest {
   int cpu_seconds = 0;
   int wall_seconds = 0;  ///< after which a sweep ends with what it has; 0: none
   bool sandbox = true;
+  int parent = 0;  ///< the process that the child must not outlive; 0: whichever started it
 };
 std::string to_text(const WorkerRequest& request);
 /// Throws nlohmann's exceptions on anything else than to_text's answer.

@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kBuffer = 1 << 18;
+constexpr std::size_t kDirect = 1 << 16;  // pieces of this size are worth a call each
 
 [[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
@@ -57,6 +58,7 @@ Upload::~Upload() {
 void Upload::add(std::string_view bytes) {
   hash_.add(bytes);
   bytes_ += bytes.size();
+  if (buffer_.empty() && bytes.size() >= kDirect) return write_all(file_.get(), bytes);
   buffer_.append(bytes);
   if (buffer_.size() >= kBuffer) flush();
 }

@@ -1,8 +1,54 @@
 #include "server/store/job_store.h"
 
+#include <sqlite3.h>
+
+#include "server/base/log.h"
 #include "server/store/job_store_state.h"
 
 namespace sheetform::server {
+
+namespace {
+
+/// SQLite calls it for every row that is written, by whichever statement.
+void note_row(void* touched, int, const char*, const char* table, sqlite3_int64 row) {
+  if (std::string_view(table) == "job") static_cast<std::set<std::int64_t>*>(touched)->insert(row);
+}
+
+}  // namespace
+
+JobStore::State::State(const std::filesystem::path& path) : file(path, "") {
+  migrate_metadata(file);
+  file.follow_changes([this](SQLite::Database& db) { begin_line(db); },
+                      [this](SQLite::Database& db) { follow_line(db); });
+}
+
+void JobStore::State::begin_line(SQLite::Database& db) {
+  sqlite3_update_hook(db.getHandle(), note_row, &touched);
+  SQLite::Statement select(
+      db, "SELECT seq, run_after, principal FROM job WHERE state = 'accepted' ORDER BY run_after, seq");
+  while (select.executeStep())
+    line.put(select.getColumn(0).getInt64(),
+             WaitingLine::Place{select.getColumn(1).getInt64(), select.getColumn(2).getInt64()});
+}
+
+/// A row that cannot be read now is looked at again after the next change. So are rows of a change that was
+/// rolled back: what counts is what the row says.
+void JobStore::State::follow_line(SQLite::Database& db) {
+  try {
+    while (!touched.empty()) {
+      const std::int64_t seq = *touched.begin();
+      SQLite::Statement select(db,
+                               "SELECT run_after, principal FROM job WHERE seq = ? AND state = 'accepted'");
+      select.bind(1, seq);
+      std::optional<WaitingLine::Place> place;
+      if (select.executeStep()) place = {select.getColumn(0).getInt64(), select.getColumn(1).getInt64()};
+      line.put(seq, place);
+      touched.erase(seq);
+    }
+  } catch (const SQLite::Exception& e) {
+    log_warning("the line of waiting jobs is not up to date", {{"reason", e.what()}});
+  }
+}
 
 JobStore::JobStore(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
 JobStore::~JobStore() = default;
@@ -70,6 +116,11 @@ bool JobStore::remove_blob_row(const std::string& digest) {
     bind_blob(remove, 1, digest);
     return remove.exec() == 1;
   });
+}
+
+void JobStore::probe() const {
+  state_->file.read(
+      [](SQLite::Database& db) { (void)db.execAndGet("SELECT count(*) FROM principal").getInt64(); });
 }
 
 bool JobStore::knows_blob(const std::string& digest) const { return input_bytes(digest) >= 0; }

@@ -65,6 +65,8 @@ class JobStore {
   std::map<std::string, std::int64_t> counts() const;  ///< by name of the state
   std::int64_t waiting(std::optional<std::int64_t> principal) const;
   std::optional<Microseconds> oldest_waiting() const;
+  /// Throws when the file cannot be read.
+  void probe() const;
 
   // --- keeping house
   /// Removes jobs whose time is over, at most `limit`; returns their ids.

@@ -62,15 +62,6 @@ Where where_of(const JobFilter& f) {
   return where;
 }
 
-std::vector<std::pair<Microseconds, std::int64_t>> waiting_in_order(SQLite::Database& db) {
-  SQLite::Statement select(db,
-                           "SELECT run_after, seq FROM job WHERE state = 'accepted' ORDER BY run_after, seq");
-  std::vector<std::pair<Microseconds, std::int64_t>> jobs;
-  while (select.executeStep())
-    jobs.emplace_back(select.getColumn(0).getInt64(), select.getColumn(1).getInt64());
-  return jobs;
-}
-
 }  // namespace
 
 std::optional<JobRecord> JobStore::find(const std::string& id) const {
@@ -92,12 +83,7 @@ std::vector<JobRecord> JobStore::list(const JobFilter& filter) const {
 }
 
 std::int64_t JobStore::queue_position(const JobRecord& job) const {
-  const std::lock_guard lock(state_->queue_mutex);
-  const std::uint64_t changes = state_->file.changes();
-  if (!state_->queue || state_->queue->changes != changes)
-    state_->queue = State::QueueOrder{changes, state_->file.read(waiting_in_order)};
-  const auto& order = state_->queue->jobs;
-  return std::upper_bound(order.begin(), order.end(), std::pair(job.run_after, job.seq)) - order.begin();
+  return state_->line.position(job.run_after, job.seq);
 }
 
 std::vector<StoredOutput> JobStore::outputs(std::int64_t seq) const {
@@ -163,13 +149,7 @@ std::map<std::string, std::int64_t> JobStore::counts() const {
 }
 
 std::int64_t JobStore::waiting(std::optional<std::int64_t> principal) const {
-  return state_->file.read([&](SQLite::Database& db) {
-    SQLite::Statement select(db, std::string("SELECT count(*) FROM job WHERE state = 'accepted'") +
-                                     (principal ? " AND principal = ?" : ""));
-    if (principal) select.bind(1, *principal);
-    select.executeStep();
-    return select.getColumn(0).getInt64();
-  });
+  return state_->line.size(principal);
 }
 
 std::optional<Microseconds> JobStore::oldest_waiting() const {

@@ -51,6 +51,17 @@ DatabaseFile::DatabaseFile(std::filesystem::path path, const std::string& settin
   }
 }
 
+void DatabaseFile::follow_changes(const std::function<void(SQLite::Database&)>& begin,
+                                  std::function<void(SQLite::Database&)> after) {
+  const std::lock_guard lock(writer_mutex_);
+  try {
+    begin(*writer_);
+  } catch (const SQLite::Exception& e) {
+    rethrow_as_store_error(e);
+  }
+  after_change_ = std::move(after);
+}
+
 void DatabaseFile::run_outside_transaction(const std::string& statements) {
   const std::lock_guard lock(writer_mutex_);
   try {

@@ -2,9 +2,9 @@
 #pragma once
 #include <SQLiteCpp/SQLiteCpp.h>
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -34,17 +34,22 @@ class DatabaseFile {
       if constexpr (std::is_void_v<decltype(change(*writer_))>) {
         change(*writer_);
         transaction.commit();
-        ++changes_;
+        if (after_change_) after_change_(*writer_);
       } else {
         auto answer = change(*writer_);
         transaction.commit();
-        ++changes_;
+        if (after_change_) after_change_(*writer_);
         return answer;
       }
     } catch (const SQLite::Exception& e) {
       rethrow_as_store_error(e);
     }
   }
+
+  /// From now on after(db) is called after every change, in the order of the changes. It must not throw: what
+  /// is committed has happened. Also runs begin(db) once, before anybody else changes anything.
+  void follow_changes(const std::function<void(SQLite::Database&)>& begin,
+                      std::function<void(SQLite::Database&)> after);
 
   /// Runs query(db) on a read-only connection.
   template <class F>
@@ -57,10 +62,6 @@ class DatabaseFile {
       rethrow_as_store_error(e);
     }
   }
-
-  /// Grows with every change. Whoever reads it before a query knows that the answer holds as long as it stays
-  /// the same.
-  std::uint64_t changes() const { return changes_; }
 
   /// Runs statements outside of a transaction on the writing connection (pragmas, incremental vacuum).
   void run_outside_transaction(const std::string& statements);
@@ -79,7 +80,7 @@ class DatabaseFile {
 
   std::filesystem::path path_;
   std::mutex writer_mutex_, pool_mutex_;
-  std::atomic<std::uint64_t> changes_{0};
+  std::function<void(SQLite::Database&)> after_change_;
   std::unique_ptr<SQLite::Database> writer_;
   std::vector<std::unique_ptr<SQLite::Database>> idle_readers_;
 };

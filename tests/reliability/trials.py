@@ -8,7 +8,7 @@ import threading
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server_process"))
-from harness import EXECUTION, PROGRAM, Server, unique_mesh  # noqa: E402,F401
+from harness import EXECUTION, PROGRAM, Server, arc, unique_mesh  # noqa: E402,F401
 
 IO_FAULTS = os.environ.get("IO_FAULTS", "")
 TRIALS = []

@@ -137,6 +137,13 @@ void write_too_much() {
   tell_result({{"one.bin", "application/octet-stream"}, {"two.bin", "application/octet-stream"}});
 }
 
+/// Closes everything on which the server listens, and lives on for a while.
+void fall_silent() {
+  progress(0.5, "trace");
+  for (const int fd : {1, 2, kStatusDescriptor}) ::close(fd);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+}
+
 /// Leaves a process behind and ends as if all were well (the sandbox of the real one forbids it).
 void leave_a_child() {
   if (::fork() == 0) sleep_deaf();
@@ -154,6 +161,7 @@ const std::map<std::string, std::function<void()>> kWays{
     {"fork", leave_a_child},
     {"huge", write_too_much},
     {"nothing", [] {}},
+    {"silent", fall_silent},
     {"missing",
      [] {
        tell_result({{"layout.svg", "image/svg+xml"}});

@@ -52,7 +52,9 @@ class Answer:
 class Server:
     """One server process and its data folder. Use as a context."""
 
-    def __init__(self, *options, fake=True, data=None, env=None, wait=True):
+    def __init__(self, *options, fake=True, data=None, env=None, wait=True, below=()):
+        """below: a command that starts the program in surroundings of its own."""
+        self.below = below
         self.data = data or tempfile.mkdtemp(prefix="sheetform-test-")
         self.own_data = data is None
         self.options = ["--log", "json", *options]
@@ -71,7 +73,7 @@ class Server:
         begin = self.log.tell()
         listen = next((o for i, o in enumerate(self.options) if self.options[i - 1] == "--listen"), None)
         options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
-        self.process = subprocess.Popen([PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
+        self.process = subprocess.Popen([*self.below, PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
                                         stdout=subprocess.DEVNULL, env=self.env)
         self.begin = begin
         if wait:
@@ -189,6 +191,12 @@ class Server:
         """Process ids of the jobs' processes."""
         listed = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.pid)], stdout=subprocess.PIPE)
         return [int(p) for p in listed.stdout.split()]
+
+    def processor_seconds(self):
+        """Time that the server itself has used, its children not counted."""
+        with open(f"/proc/{self.process.pid}/stat") as f:
+            fields = f.read().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def memory(self):
         """Resident bytes of the server; 0 when most of them are a sanitizer's."""

@@ -55,6 +55,16 @@ class Misbehaviour(ServerCase):
         self.assertIn("signal 11", job["exception"]["detail"])
         self.assertIn("stage trace", job["exception"]["detail"])
 
+    def test_a_silent_process_costs_the_server_nothing(self):
+        job_id = self.server.submit(name="silent.obj")["jobID"]
+        self.server.wait(job_id, until=("running",))
+        while self.server.job(job_id)["progress"] < 50:
+            time.sleep(0.02)
+        before = self.server.processor_seconds()
+        time.sleep(1)
+        self.assertLess(self.server.processor_seconds() - before, 0.3)
+        self.assertEqual(self.server.wait(job_id)["status"], "failed")
+
     def test_nonsense_is_ignored(self):
         job = self.server.wait(self.server.submit(name="nonsense.obj")["jobID"])
         self.assertEqual(job["status"], "successful")

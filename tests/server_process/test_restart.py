@@ -1,17 +1,20 @@
 """What was acknowledged is never lost: restarts, kill -9, drain, replay of events, backup."""
+import contextlib
 import hashlib
+import http.client
 import json
 import os
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import tempfile
 import threading
 import time
 import unittest
 
-from harness import EXECUTION, PROGRAM, Server, main, unique_mesh
+from harness import EXECUTION, PROGRAM, Server, arc, main, unique_mesh
 
 
 def events_of(server, path, headers=None, stop_after=None, timeout=20):
@@ -71,6 +74,53 @@ class Restart(unittest.TestCase):
             while any(os.path.exists(f"/proc/{c}") for c in children) and time.monotonic() < deadline:
                 time.sleep(0.02)
             self.assertFalse([c for c in children if os.path.exists(f"/proc/{c}")])
+
+    def test_those_who_look_at_uploads_die_with_the_server(self):
+        with Server(fake=False) as server:
+            nursery = server.children()
+            self.assertEqual(len(nursery), 1)
+            upload = threading.Thread(target=self.send_and_lose, args=(server,))
+            upload.start()
+            deadline = time.monotonic() + 60
+            while len(family := server.children()) < 2 and time.monotonic() < deadline:
+                time.sleep(0.002)
+            self.assertEqual(len(family), 2)  # children of the server both, so that it learns how they end
+            reader = next(pid for pid in family if pid not in nursery)
+            self.assertEqual((os.getpgid(reader), os.getpgid(nursery[0])), (reader, nursery[0]))
+            server.stop(signal.SIGKILL)
+            upload.join()
+            deadline = time.monotonic() + 3
+            while any(os.path.exists(f"/proc/{pid}") for pid in family) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            self.assertFalse([pid for pid in family if os.path.exists(f"/proc/{pid}")])
+
+    @staticmethod
+    def send_and_lose(server):
+        facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+        mesh = b"x" * 80 + struct.pack("<I", 1_000_000) + facet * 1_000_000
+        with contextlib.suppress(OSError, http.client.HTTPException):
+            server.request("POST", f"{EXECUTION}?filename=large.stl", mesh, check=False)
+
+    def test_uploads_are_looked_at_without_the_nursery_too(self):
+        with Server(fake=False) as server:
+            server.submit(arc(), name="first.obj")
+            os.kill(server.children()[0], signal.SIGKILL)
+            for seed in range(1, 4):
+                answer = server.submit(arc(seed=seed), name="second.obj")
+                self.assertEqual(answer["inputs"]["mesh"]["vertices"], 54)
+            self.assertTrue([line for line in server.log_lines() if "nursery is gone" in line["msg"]])
+            bad = server.request("POST", f"{EXECUTION}?filename=bad.obj", b"v 0 0 zero\n")
+            self.assertEqual((bad.status, bad.slug()), (422, "unreadable-mesh"))
+
+    def test_as_the_first_process_of_a_container(self):
+        ways = (["unshare", "--pid", "--fork", "--mount-proc", "--kill-child"],
+                ["unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc", "--kill-child"])
+        below = next((w for w in ways if subprocess.run([*w, "true"], stderr=subprocess.DEVNULL).returncode == 0), None)
+        if below is None:
+            self.skipTest("no namespaces here")
+        for fake in (True, False):
+            with Server(fake=fake, below=below) as server:
+                self.assertEqual(server.wait(server.submit(arc(), name="arc.obj")["jobID"], timeout=60)["status"], "successful")
 
     def test_one_server_a_data_folder(self):
         with Server() as server:

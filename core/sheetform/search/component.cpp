@@ -144,16 +144,18 @@ class ComponentRun {
     Lane& lane = lanes_.emplace_back();
     lane.surface = surface_;
     lane.context = context_;
-    if (lanes_.size() > 1) lane.context.progress = nullptr;
     lane.searches.push_back(std::make_unique<LayoutSearch>(lane.surface, start, graph, std::move(candidates),
                                                            search_params(), lane.context));
   }
 
   void in_all_lanes(const std::function<void(LayoutSearch&)>& step) {
     const int n = static_cast<int>(lanes_.size());
-    for (Lane& lane : lanes_) lane.context.threads = std::max(1, context_.threads / n);
+    for (Lane& lane : lanes_) {
+      lane.context.threads = std::max(1, context_.threads / n);
+      if (&lane != &lanes_.front()) lane.context.progress = nullptr;
+    }
     parallel_for(context_, n, [&](int i) { step(lanes_[i].search()); });
-    for (Lane& lane : lanes_) lane.context.threads = context_.threads;
+    for (Lane& lane : lanes_) lane.context = context_;
   }
 
   void set_up_surface() {

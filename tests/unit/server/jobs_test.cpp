@@ -116,6 +116,8 @@ TEST(WorkerProtocol, RequestRoundTrips) {
   r.cpu_seconds = 9;
   r.wall_seconds = 11;
   r.sandbox = false;
+  r.parent = 11;
+  EXPECT_EQ(worker_request_from(to_text(r)).parent, 11);
   EXPECT_EQ(to_text(worker_request_from(to_text(r))), to_text(r));
 }
 

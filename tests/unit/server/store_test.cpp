@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
+#include <thread>
 
 #include "server/base/digest.h"
 #include "server/base/identity.h"
@@ -75,6 +79,89 @@ TEST_F(JobStoreTest, PlacesInTheQueueFollowEveryChange) {
   EXPECT_EQ(place(3), 2);
   ids.push_back(store_.accept(new_job()).id);
   EXPECT_EQ(place(4), 3);
+}
+
+TEST_F(JobStoreTest, TheLineIsWhatTheRowsSayWhateverHappens) {
+  std::mt19937 random(5);
+  std::vector<std::int64_t> owners{0, store_.principal_id("anna"), store_.principal_id("ben")};
+  std::vector<ClaimedJob> running;
+  std::vector<std::string> ids;
+  const auto any = [&random](std::size_t count) { return random() % count; };
+  for (int step = 0; step < 400; ++step) {
+    const std::size_t way = any(8);
+    if (way < 3) ids.push_back(store_.accept(new_job(owners[any(3)])).id);
+    if (way == 3)
+      if (const auto claimed = store_.claim(now_us())) running.push_back(*claimed);
+    if (way == 4 && !running.empty()) {
+      const Microseconds later = now_us() - static_cast<Microseconds>(any(1'000'000));
+      store_.requeue(running.back(), Requeue::kError, later, "again");
+      running.pop_back();
+    }
+    if (way == 5 && !running.empty()) {
+      store_.fail(running.back(), "{}", "no", Requeue::kError);
+      running.pop_back();
+    }
+    if (way == 6 && !ids.empty()) store_.dismiss(ids[any(ids.size())], now_us() + kDay);
+    if (way == 7 && !ids.empty()) store_.retry(ids[any(ids.size())], now_us() + kDay);
+  }
+  const auto check = [&](const JobStore& store) {
+    JobFilter filter;
+    filter.states = {JobState::kAccepted};
+    filter.limit = 1000;
+    std::vector<JobRecord> waiting = store.list(filter);
+    ASSERT_GT(waiting.size(), 10U);
+    std::sort(waiting.begin(), waiting.end(), [](const JobRecord& a, const JobRecord& b) {
+      return std::pair(a.run_after, a.seq) < std::pair(b.run_after, b.seq);
+    });
+    for (std::size_t i = 0; i < waiting.size(); ++i)
+      EXPECT_EQ(store.queue_position(waiting[i]), static_cast<std::int64_t>(i + 1));
+    EXPECT_EQ(store.waiting(std::nullopt), static_cast<std::int64_t>(waiting.size()));
+    for (const std::int64_t owner : owners)
+      EXPECT_EQ(store.waiting(owner),
+                std::count_if(waiting.begin(), waiting.end(),
+                              [&](const JobRecord& job) { return job.principal == owner; }));
+  };
+  check(store_);
+  store_.recover();
+  check(store_);
+  check(JobStore(folder_.path() / "sheetform.db"));
+}
+
+TEST_F(JobStoreTest, ManyAtOnceKeepTheLineRight) {
+  constexpr int kThreads = 4, kJobs = 40;
+  std::atomic<int> ended{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([this] {
+      for (int j = 0; j < kJobs; ++j) {
+        const JobRecord job = store_.accept(new_job());
+        EXPECT_GE(store_.queue_position(job), 0);
+        EXPECT_LE(store_.waiting(job.principal), kThreads * kJobs);
+      }
+    });
+    threads.emplace_back([this, i, &ended] {
+      for (int j = 0; j < kJobs / 2; ++j) {
+        const auto claimed = store_.claim(now_us());
+        if (!claimed) continue;
+        if (i % 2 == 0) {
+          store_.fail(*claimed, "{}", "no", Requeue::kError);
+          ++ended;
+        } else {
+          store_.requeue(*claimed, Requeue::kError, now_us(), "again");
+        }
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(store_.waiting(std::nullopt), kThreads * kJobs - ended);
+  JobFilter filter;
+  filter.states = {JobState::kAccepted};
+  filter.limit = 1000;
+  std::set<std::int64_t> places;
+  for (const JobRecord& job : store_.list(filter)) places.insert(store_.queue_position(job));
+  ASSERT_EQ(static_cast<int>(places.size()), kThreads * kJobs - ended);
+  EXPECT_EQ(*places.begin(), 1);
+  EXPECT_EQ(*places.rbegin(), kThreads * kJobs - ended);
 }
 
 TEST_F(JobStoreTest, PrincipalsTakeTurns) {
