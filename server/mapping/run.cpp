@@ -47,6 +47,7 @@ api::Json report_of(const Decomposition& d) {
   const Report& r = d.report;
   return {{"patches", r.patches},
           {"hausdorff", r.hausdorff},
+          {"hausdorff_at_most", r.hausdorff_at_most},
           {"mean_distance", r.mean_distance},
           {"cut_length", r.cut_length},
           {"border_length", r.border_length},

@@ -4,6 +4,13 @@ import { millimetres, percent } from "../format.js";
 import { countInner, measureSeams, measureStretch, partsThatCross } from "../result/checks.js";
 import { icon } from "./icons.js";
 
+/** Older results have no proof, only what was found. */
+function nowhere({ hausdorff, hausdorff_at_most: proven }, mm) {
+  return proven === undefined
+    ? `Nowhere found farther than ${mm(hausdorff)}`
+    : `Proven: nowhere farther than ${mm(proven)}`;
+}
+
 export function certificate(model) {
   const { report = {}, parameters = {}, input = {} } = model.layout;
   const stretch = measureStretch(model);
@@ -39,7 +46,7 @@ export function certificate(model) {
       met,
       met ? "Within tolerance" : "Tolerance not met",
       met
-        ? `Nowhere farther than ${mm(report.hausdorff)} from your mesh, measured both ways (asked for: ${mm(parameters.e_max)}).`
+        ? `${nowhere(report, mm)} from your mesh, both ways (asked for: ${mm(parameters.e_max)}).`
         : `The worst place is ${mm(report.hausdorff)} off, ${percent(report.hausdorff)} of the diagonal; asked for was ${percent(parameters.e_max)}. Show “Error” in the 3D view to see where.`,
     ],
   ];
@@ -72,7 +79,7 @@ export function certificate(model) {
     h(
       "p",
       { class: "hint foot" },
-      "The first four were measured again in this browser, from the files alone; the distance to the mesh is the server's.",
+      "The first four were measured again in this browser, from the files alone; the distance was measured by the server, which has your mesh.",
     ),
   );
 }
