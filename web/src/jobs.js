@@ -15,6 +15,14 @@ export const STAGES = [
   ["write", "Writing the files"],
 ];
 
+const step = ({ status }) => ({ accepted: 0, running: 1 })[status] ?? 2;
+
+/** Whether `job` tells of an earlier time than `known`; within a millisecond the status decides. */
+function isOlder(job, known) {
+  if (!known) return false;
+  return job.updated === known.updated ? step(job) < step(known) : job.updated < known.updated;
+}
+
 class Jobs extends Observable {
   list = new Map();
   known = false; // whether the server's list has arrived
@@ -26,7 +34,7 @@ class Jobs extends Observable {
         // A job older than the newest hundred may be open: what is not in the list is kept.
         const listed = new Set(jobs.map((job) => job.jobID));
         if (jobs.length < 100) for (const id of this.list.keys()) if (!listed.has(id)) this.list.delete(id);
-        for (const job of jobs) this.list.set(job.jobID, job);
+        for (const job of jobs) this.take(job);
         this.known = true;
         this.changed();
       },
@@ -52,8 +60,13 @@ class Jobs extends Observable {
   }
 
   put(job) {
-    this.list.set(job.jobID, job);
+    this.take(job);
     this.changed();
+  }
+
+  /** An event may overtake the answer to a request: what is known to be newer stays. */
+  take(job) {
+    if (!isOlder(job, this.list.get(job.jobID))) this.list.set(job.jobID, job);
   }
 
   drop(id) {
@@ -73,7 +86,7 @@ class Jobs extends Observable {
   }
 
   async refresh() {
-    for (const job of await listJobs()) this.list.set(job.jobID, job);
+    for (const job of await listJobs()) this.take(job);
     this.changed();
   }
 }
