@@ -28,7 +28,7 @@ constexpr double kMeasured = 0.998;
 // multiple of the tolerance rulings become plainer at once.
 constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
-constexpr double kLost = 1.25;     // multiple of the tolerance: a pass that gets no nearer is given up
+constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
@@ -362,7 +362,7 @@ class ComponentRun {
       pass.draw_to(attempt.far);
       const bool eased = pass.plainer(attempt.hard);
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
-      if (best.invalid.empty() && best.miss > kLost && stale >= 2) break;
+      if (best.invalid.empty() && best.miss > kLost && stale >= 4) break;
       if (eased) continue;
       if (!best.invalid.empty() || stale >= 2) {
         if (!pass.plainer(bad)) break;
