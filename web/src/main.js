@@ -118,8 +118,7 @@ class App {
   }
 
   showProblem(error) {
-    const token =
-      error instanceof ProblemError && error.problem.status === 401 ? tokenForm(() => location.reload()) : null;
+    const unknown = error instanceof ProblemError && error.problem.status === 401;
     const again = h("button", { type: "button", class: "primary", onclick: () => this.route() }, "Try again");
     this.show(() => ({
       title: "",
@@ -127,7 +126,7 @@ class App {
         "main",
         { class: "home", id: "main", tabindex: "-1" },
         h("h1", { class: "visually-hidden" }, "sheetform"),
-        problemBox(error, token ?? again),
+        unknown ? signIn(() => location.reload()) : problemBox(error, again),
       ),
     }));
   }
@@ -180,9 +179,24 @@ class App {
   }
 }
 
-/** Asks for the server's token and opens a session. */
+/** Asks for the server's token and opens a session; the problem's own words are for programs. */
+function signIn(done) {
+  return h(
+    "section",
+    { class: "problem" },
+    h("h2", {}, "Sign in"),
+    h("p", {}, "This server asks for a token. Whoever runs it gives you one; paste it here, once on this device."),
+    tokenForm(done),
+  );
+}
+
 function tokenForm(done) {
-  const input = h("input", { type: "password", autocomplete: "current-password", "aria-label": "Token" });
+  const input = h("input", {
+    type: "password",
+    autocomplete: "current-password",
+    "aria-label": "Token",
+    placeholder: "Token",
+  });
   const error = h("p", { class: "field-error", role: "alert" });
   return h(
     "form",
