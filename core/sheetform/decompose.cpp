@@ -165,17 +165,19 @@ struct Variant {
   std::uint64_t seed_offset;
 };
 
+const Variant kNormalVariant{Effort::kNormal, {200, 60}, 30, 0};
+
 // The first variant of thorough is normal itself, so that thorough is never worse.
 std::vector<Variant> variants(Effort effort) {
   switch (effort) {
     case Effort::kDraft:
       return {{Effort::kDraft, {60}, 0, 0}};
     case Effort::kNormal:
-      return {{Effort::kNormal, {200, 60}, 30, 0}};
+      return {kNormalVariant};
     case Effort::kThorough:
       break;
   }
-  return {{Effort::kNormal, {200, 60}, 30, 0},
+  return {kNormalVariant,
           {Effort::kDraft, {60}, 150, 1},
           {Effort::kNormal, {200}, 150, 2},
           {Effort::kNormal, {400}, 150, 3}};

@@ -50,10 +50,9 @@ struct AreaSample {
   Vector3 point;
   int face;
 };
-/// One point in each of `n` equal shares of the area (which is put into *area); the same each time.
+/// One point in each of `n` equal shares of the area; the same each time.
 std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
-                                     const std::vector<std::array<int, 3>>& faces, int n,
-                                     double* area = nullptr);
+                                     const std::vector<std::array<int, 3>>& faces, int n);
 
 /// A point of the patch to show to people.
 Vector3 place_of(const StripMesh& result, int patch);

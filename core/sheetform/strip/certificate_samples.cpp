@@ -18,14 +18,13 @@ double unit_noise(std::uint64_t i) {  // SplitMix64, a fixed stream: results dep
 
 // Inside a face the R2 sequence (Roberts) spreads them.
 std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
-                                     const std::vector<std::array<int, 3>>& faces, int n, double* area) {
+                                     const std::vector<std::array<int, 3>>& faces, int n) {
   std::vector<double> sum(faces.size());
   double total = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const Vector3& a = points[faces[f][0]];
     sum[f] = total += (points[faces[f][1]] - a).cross(points[faces[f][2]] - a).norm() / 2;
   }
-  if (area != nullptr) *area = total;
   std::vector<AreaSample> out;
   if (!(total > 0)) return out;
   std::size_t f = 0;
