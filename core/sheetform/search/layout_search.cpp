@@ -1,12 +1,11 @@
 #include "sheetform/search/layout_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
-
-#include "sheetform/tracing/path_smoothing.h"
 
 namespace sheetform {
 namespace {
@@ -18,6 +17,10 @@ constexpr double kTooRound = 9;
 // Of a diagonal inside of a region where no seam is wanted: its removal goes before all others, and it may
 // cost that many parts.
 constexpr double kInsideValue = 100, kInsideCost = 100;
+
+// Waves along paths of so many edges are halved where the usual smoothing spoils a patch: at least the
+// staircase goes. 0: as it was. The last round undoes what the put back spoils beside it.
+constexpr std::array<double, 4> kMilder{10, 5, 0, 0};
 
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
@@ -226,12 +229,12 @@ void LayoutSearch::settle() {
   }
 }
 
-// Vertices of these patches go back to where they were, and so do vertices of faces that this would turn
-// over.
-void LayoutSearch::put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
-                            const std::vector<int>& versions) {
+// Vertices of these patches go to where they are in another shape of the surface, and so do vertices of faces
+// that this would turn over.
+void LayoutSearch::put_back(const std::vector<int>& patches, const Shape& shape) {
   SurfaceMesh& mesh = surface_.mesh;
-  const auto restore = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = versions[v]; };
+  const std::vector<Vector3>& points = shape.points;
+  const auto restore = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = shape.versions[v]; };
   for (int f : faces_of(patches))
     for (int v : mesh.faces[f]) restore(v);
   const auto normal_before = [&](int f) {
@@ -251,23 +254,34 @@ void LayoutSearch::put_back(const std::vector<int>& patches, const std::vector<V
   changed();
 }
 
+void LayoutSearch::take_shape(Shape shape) {
+  surface_.mesh.points = std::move(shape.points), surface_.versions = std::move(shape.versions);
+  places_.clear();
+  changed();
+}
+
+LayoutSearch::Shape LayoutSearch::smoothed(double cutoff) {
+  Shape now = shape();
+  smooth(cutoff);
+  Shape out = shape();
+  take_shape(std::move(now));
+  return out;
+}
+
 void LayoutSearch::smooth_what_allows() {
-  const std::vector<Vector3> points = surface_.mesh.points;
-  const std::vector<int> versions = surface_.versions;
+  Shape before = shape();
   const std::vector<double> error_before = evaluation().patch_error;
   smooth();
-  for (int attempt = 0; attempt < 4; ++attempt) {
+  for (double cutoff : kMilder) {
     std::vector<int> bad;
     const LayoutEvaluation& e = evaluation();
     for (int p = 0; p < static_cast<int>(e.patches.size()); ++p)
       if (!e.patches[p]->viable() || e.patch_error[p] > std::max(params_.evaluation.e_max, error_before[p]))
         bad.push_back(p);
     if (bad.empty()) return;
-    put_back(bad, points, versions);
+    put_back(bad, cutoff > 0 ? smoothed(cutoff) : before);
   }
-  surface_.mesh.points = points, surface_.versions = versions;
-  places_.clear();
-  changed();
+  take_shape(std::move(before));
 }
 
 void LayoutSearch::reject(const std::vector<int>& patches) {
@@ -302,7 +316,7 @@ int LayoutSearch::insert_for_geometry() {
   return 60;
 }
 
-void LayoutSearch::smooth() {
+void LayoutSearch::smooth(double cutoff) {
   places_.clear();
   std::vector<char> path_edge(surface_.mesh.edges.size(), 0), fixed(surface_.mesh.points.size(), 0);
   const PathNetwork& net = network_.network();
@@ -314,6 +328,7 @@ void LayoutSearch::smooth() {
   }
   SmoothParams params;
   params.rest = &rest_;
+  params.cutoff_edges = cutoff;
   if (surface_.regions != nullptr)
     params.allowed = [&](const Vector3& from, const Vector3& to) { return outside_regions(from, to); };
   for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_))

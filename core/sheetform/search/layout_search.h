@@ -9,6 +9,7 @@
 
 #include "sheetform/search/evaluator.h"
 #include "sheetform/search/network_edit.h"
+#include "sheetform/tracing/path_smoothing.h"
 #include "sheetform/tracing/tracing.h"
 
 namespace sheetform {
@@ -66,7 +67,7 @@ class LayoutSearch {
   /// These patches (of layout()) failed by a finer measure: they are not formed again.
   void reject(const std::vector<int>& patches);
   /// Smooths all paths on the surface; patches near them are evaluated anew.
-  void smooth();
+  void smooth() { smooth(SmoothParams().cutoff_edges); }
   /// Splits these patches (by id in layout()); returns how many were split.
   int split(const std::vector<int>& patches, PatchVerdict reason);
   /// For patches that cannot be split: each goes to the neighbour beyond its longest arch that may go,
@@ -95,8 +96,16 @@ class LayoutSearch {
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
   bool region_fits(const std::vector<int>& faces, double before);
   void store(const LayoutEvaluation& e);
-  void put_back(const std::vector<int>& patches, const std::vector<Vector3>& points,
-                const std::vector<int>& versions);
+  /// Where the vertices are, and which version of each that is.
+  struct Shape {
+    std::vector<Vector3> points;
+    std::vector<int> versions;
+  };
+  Shape shape() const { return {surface_.mesh.points, surface_.versions}; }
+  void take_shape(Shape shape);
+  void smooth(double cutoff);
+  Shape smoothed(double cutoff);
+  void put_back(const std::vector<int>& patches, const Shape& shape);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   /// A stretch of a candidate that could go through a patch.
   struct Proposal {
