@@ -47,6 +47,9 @@ TEST(Structure, ClosedCylinderIsTwoDiscsAndAWall) {
   EXPECT_NEAR(areas[0], shapes::kPi, 0.1);
   EXPECT_NEAR(areas[1], shapes::kPi, 0.1);
   EXPECT_NEAR(areas[2], 4 * shapes::kPi, 0.25);
+  for (const auto& p : d.strips.patches)
+    EXPECT_EQ(p.rulings.empty(), area_of(d.strips, p) < 4)
+        << "flat discs have no lines to fold, the wall has";
 }
 
 // Two bowls of an ellipse, rim to rim: the rim is sharp, what it bounds is curved both ways.
@@ -93,6 +96,7 @@ TEST(Structure, BoxIsItsSixFaces) {
   EXPECT_NEAR(crease_length(d.strips), 24, 0.24);
   EXPECT_TRUE(d.report.e_max_met);
   for (const auto& p : d.strips.patches) EXPECT_EQ(p.corners.size(), 4u);
+  for (const auto& p : d.strips.patches) EXPECT_TRUE(p.rulings.empty()) << "a flat face is not folded";
 }
 
 TEST(Structure, PlaneIsOneSheet) {

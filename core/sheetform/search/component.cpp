@@ -226,6 +226,8 @@ class ComponentRun {
     if (input_.half) search.straighten_plane();
     laps_.lap(Stage::kRemove);
     finish(search);
+    const bool asked_for = params_.spacing.any() || !input_.guide.empty();
+    if (!asked_for) drop_flat_rulings(result_.strips);
     laps_.lap(Stage::kFinal);
     result_.seconds = laps_.take();
     for (Lane& lane : lanes_) result_.counts += lane.search().evaluator().counts();

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "sheetform/search/flatten.h"
 #include "sheetform/strip/unfold.h"
 
 namespace sheetform {
@@ -47,6 +48,7 @@ bool has_strips(const PatchEvaluation& e) { return !e.rulings.triangles.empty() 
 
 // Fairer rulings follow the curvature and twist less, at the price of distance.
 constexpr int kHighestLevel = 2;
+constexpr double kAlmostPlane = 0.05;  // of the tolerance
 // A patch alone has to leave this share of the tolerance to its neighbours.
 constexpr double kRoom = 0.9;
 
@@ -153,6 +155,7 @@ void FinalPass::draw_to(const std::vector<FarPlace>& far) {
 FinishedLayout FinalPass::solve(int rounds) {
   if (!distinct_) make_distinct();
   LayoutEvaluation e = evaluator_.solve(layout_, patches_, rounds, drawn_);
+  flatten(e.unknowns, e.on_plane, kAlmostPlane * evaluator_.params().e_max, e.position);
   FinishedLayout out;
   out.source.points = e.position;
   for (int p = 0; p < static_cast<int>(layout_.patches.size()); ++p) {

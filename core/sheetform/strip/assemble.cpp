@@ -1,8 +1,18 @@
 #include "sheetform/strip/assemble.h"
 
+#include <cmath>
+
+#include "sheetform/strip/certificate_checks.h"
 #include "sheetform/strip/unfold.h"
 
 namespace sheetform {
+namespace {
+
+constexpr double kFlat = 0.5 * 3.14159265358979323846 / 180;  // what a sheet may turn without a fold line
+
+double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+}  // namespace
 
 StripMesh assemble_strips(const StripSource& source) {
   StripMesh mesh;
@@ -27,6 +37,31 @@ StripMesh assemble_strips(const StripSource& source) {
   for (const StripSource::Arch& a : source.arches)
     mesh.arches.push_back({a.points, a.patches, a.crease, a.on_plane, a.drawn});
   return mesh;
+}
+
+void drop_flat_rulings(StripMesh& strips) {
+  const auto normal = [&](const StripMesh::Triangle& t) {
+    const Vector3& a = strips.points[t.v[0]];
+    return Vector3((strips.points[t.v[1]] - a).cross(strips.points[t.v[2]] - a));
+  };
+  for (int p = 0; p < static_cast<int>(strips.patches.size()); ++p) {
+    StripMesh::Patch& patch = strips.patches[p];
+    if (patch.rulings.empty()) continue;
+    std::vector<std::array<int, 2>> kept;
+    Vector3 face = normal(patch.triangles[0]), before = face;
+    double sharpest = 0;
+    std::array<int, 2> at = patch.rulings[0];
+    for (std::size_t k = 0; k < patch.rulings.size(); ++k) {
+      const Vector3 after = normal(patch.triangles[k + 1]);
+      const double bend = angle_between(before, after);
+      if (bend > sharpest) sharpest = bend, at = patch.rulings[k];
+      if (angle_between(face, after) > kFlat) kept.push_back(patch.rulings[k]), face = after;
+      before = after;
+    }
+    patch.rulings = std::move(kept);
+    if (patch.rulings.empty() && !certificate::check_rulings(strips, p, shape_of(patch)).empty())
+      patch.rulings = {at};
+  }
 }
 
 void append(StripMesh& strips, const StripMesh& other, int component) {

@@ -123,6 +123,47 @@ TEST(AssembleStrips, SeamOfAPatchWithItselfHasTwoFlatPlaces) {
   EXPECT_EQ(strips.uvs.size(), strips.points.size() + 2);
 }
 
+// Half of an arc of this many degrees for each of the leaves, in n steps: planar quads between rungs.
+StripMesh bent(int n, double degrees) {
+  StripSource source = two_leaves(n);
+  const double whole = degrees * shapes::kPi / 180;
+  for (int i = 0; i <= n; ++i) {
+    const double a = whole * i / n, r = whole > 0 ? 2 / whole : 0;
+    const double x = whole > 0 ? r * std::sin(a) : 2.0 * i / n, z = whole > 0 ? r * (1 - std::cos(a)) : 0;
+    for (int row = 0; row < 3; ++row) source.points[row * (n + 1) + i] = {x, row - 1.0, z};
+  }
+  return assemble_strips(source);
+}
+
+TEST(DropFlatRulings, OnlyWhereTheSheetBendsThereAreRulings) {
+  StripMesh strips = bent(12, 60);
+  drop_flat_rulings(strips);
+  for (const auto& patch : strips.patches) {
+    EXPECT_EQ(patch.rulings.size(), 11u) << "the rungs, not the diagonals of plane quads";
+    for (const auto& [a, b] : patch.rulings) EXPECT_NEAR(strips.points[a].x(), strips.points[b].x(), 1e-12);
+  }
+}
+
+TEST(DropFlatRulings, SmallBendsAddUp) {
+  StripMesh strips = bent(120, 24);  // a fifth of a degree at each rung
+  drop_flat_rulings(strips);
+  for (const auto& patch : strips.patches) EXPECT_EQ(patch.rulings.size(), 39u) << "at every third rung";
+  TriangleSoup soup = shapes::soup_of(strips);
+  const SurfaceMesh surface = build_surface_mesh(soup.points, soup.faces);
+  EXPECT_TRUE(check_structure(strips, &surface, 6, 4).empty());
+}
+
+TEST(DropFlatRulings, APlaneHasNoneAndWhatIsAlmostPlaneOne) {
+  StripMesh plane = bent(12, 0), almost = bent(12, 0.4);
+  drop_flat_rulings(plane), drop_flat_rulings(almost);
+  for (int p : {0, 1}) {
+    EXPECT_TRUE(plane.patches[p].rulings.empty());
+    EXPECT_EQ(almost.patches[p].rulings.size(), 1u);
+    EXPECT_TRUE(check_patch(plane, p, 4).empty());
+    EXPECT_TRUE(check_patch(almost, p, 4).empty());
+  }
+}
+
 TEST(Append, ShiftsEveryIndex) {
   StripMesh all = shapes::cube_faces();
   const StripMesh cube = all, leaves = shapes::two_leaves(60, 0.4, 6);
