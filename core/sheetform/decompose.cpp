@@ -10,10 +10,9 @@
 #include <tuple>
 
 #include "sheetform/guided.h"
-#include "sheetform/mesh/creases.h"
 #include "sheetform/mesh/embed_strokes.h"
-#include "sheetform/mesh/far_vertices.h"
 #include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/mesh/working_mesh.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
 #include "sheetform/strip/mirror.h"
@@ -69,75 +68,10 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
   return build_surface_mesh(std::move(points), std::move(faces));
 }
 
-// Mean absolute curvature: the dihedral angles of the edges, weighted by length, over the area.
-double mean_bending(const SurfaceMesh& mesh) {
-  double sum = 0;
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges[e];
-    if (edge.border()) continue;
-    const Vector3 a = mesh.face_normal_raw(edge.f0), b = mesh.face_normal_raw(edge.f1);
-    sum += std::atan2(a.cross(b).norm(), a.dot(b)) * mesh.edge_length(e);
-  }
-  return sum / std::max(surface_area(mesh), 1e-300);
-}
-
-// Working edge length: coarse enough to be quick, fine enough that facets cost a small share of the
-// tolerance.
-double working_edge_length(const SurfaceMesh& mesh, double e_max, Effort effort) {
-  const double smooth = 0.022 * std::sqrt(e_max / 0.02),
-               curved = std::sqrt(0.5 * e_max / std::max(mean_bending(mesh), 1e-9));
-  const int least = effort == Effort::kDraft ? 1200 : 2500, most = effort == Effort::kDraft ? 3500 : 12000;
-  return std::clamp(std::min(smooth, curved), edge_length_for(mesh, most), edge_length_for(mesh, least));
-}
-
-// A component of the input, as it was given.
-struct InputSurface {
-  const SurfaceMesh& mesh;
-  const ClosestPointTree& tree;
-};
-
-// Whether a vertex of the input is farther than `limit` from the working mesh.
-bool loses_detail(const InputSurface& input, const SurfaceMesh& working, double limit,
-                  const RunContext& context) {
-  const ClosestPointTree tree(working.points, working.faces, context);
-  const std::vector<FarVertex> may_be_far = far_vertices(input.mesh.faces, input.tree, tree, limit, context);
-  return std::any_of(may_be_far.begin(), may_be_far.end(), [&](const FarVertex& v) {
-    return tree.closest(input.mesh.points[v.vertex], limit * limit, limit * limit).face < 0;
-  });
-}
-
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
 constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
 // How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
 constexpr double kDrawnSlack = 0.005;
-
-// Height below which triangles say nothing about creases.
-constexpr double kSliver = 5e-4;
-
-PreparedMesh prepared_component(const InputSurface& input, const DecomposeParams& params, Effort effort,
-                                double e_max, const RunContext& context) {
-  const SurfaceMesh mesh =
-      uniform_enough(input.mesh) ? input.mesh : without_slivers(input.mesh, kSliver, context);
-  std::vector<char> crease(mesh.edges.size(), 0);
-  context.checkpoint();
-  if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle, context);
-  context.checkpoint();
-  double wanted = working_edge_length(mesh, e_max, effort);
-  const double present = mean_edge_length(mesh);
-  if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
-  const double finest = edge_length_for(mesh, 20000);
-  context.checkpoint();
-  PreparedMesh prepared = prepare(mesh, crease, wanted, input.mesh, input.tree, context);
-  const int attempts = effort == Effort::kDraft ? 0 : 2;
-  for (int attempt = 0;
-       attempt < attempts && wanted > finest && loses_detail(input, prepared.mesh, 0.3 * e_max, context);
-       ++attempt) {
-    wanted = std::max(0.65 * wanted, finest);
-    if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
-    prepared = prepare(mesh, crease, wanted, input.mesh, input.tree, context);
-  }
-  return prepared;
-}
 
 // The user's directions, carried to the prepared mesh by closest points.
 std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& soup,
@@ -474,8 +408,9 @@ class Sweep {
 
   ComponentInput component_input(const Piece& piece, const Variant& variant, const RunContext& context) {
     ComponentInput input;
-    input.prepared = prepared_component({piece.mesh, *piece.tree}, common_.params, variant.mesh,
-                                        common_.params.e_max, context);
+    input.prepared = working_mesh(
+        piece.mesh, *piece.tree,
+        {common_.params.e_max, common_.params.crease_angle, variant.mesh == Effort::kDraft}, context);
     take_guides(piece.guides, input, context);
     input.reference = {piece.mesh.points, piece.mesh.faces};
     input.tree = piece.tree;
