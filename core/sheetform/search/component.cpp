@@ -269,6 +269,7 @@ class ComponentRun {
     search.improve(tries(search), params_.seed);
     search.clear_regions();
     search.smooth_what_allows();
+    search.smooth_rough_arches();
     search.remove_arches();
   }
 

@@ -1,7 +1,6 @@
 #include "sheetform/search/layout_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -17,10 +16,6 @@ constexpr double kTooRound = 9;
 // Of a diagonal inside of a region where no seam is wanted: its removal goes before all others, and it may
 // cost that many parts.
 constexpr double kInsideValue = 100, kInsideCost = 100;
-
-// Waves along paths of so many edges are halved where the usual smoothing spoils a patch: at least the
-// staircase goes. 0: as it was. The last round undoes what the put back spoils beside it.
-constexpr std::array<double, 4> kMilder{10, 5, 0, 0};
 
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
@@ -229,61 +224,6 @@ void LayoutSearch::settle() {
   }
 }
 
-// Vertices of these patches go to where they are in another shape of the surface, and so do vertices of faces
-// that this would turn over.
-void LayoutSearch::put_back(const std::vector<int>& patches, const Shape& shape) {
-  SurfaceMesh& mesh = surface_.mesh;
-  const std::vector<Vector3>& points = shape.points;
-  const auto restore = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = shape.versions[v]; };
-  for (int f : faces_of(patches))
-    for (int v : mesh.faces[f]) restore(v);
-  const auto normal_before = [&](int f) {
-    const auto& t = mesh.faces[f];
-    return Vector3((points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]));
-  };
-  for (bool again = true; again;) {
-    again = false;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-      const Vector3 now = mesh.face_normal_raw(f), before = normal_before(f);
-      if (now.dot(before) > 0.3 * now.norm() * before.norm() && now.norm() > 0.1 * before.norm()) continue;
-      for (int v : mesh.faces[f])
-        if (mesh.points[v] != points[v]) restore(v), again = true;
-    }
-  }
-  places_.clear();
-  changed();
-}
-
-void LayoutSearch::take_shape(Shape shape) {
-  surface_.mesh.points = std::move(shape.points), surface_.versions = std::move(shape.versions);
-  places_.clear();
-  changed();
-}
-
-LayoutSearch::Shape LayoutSearch::smoothed(double cutoff) {
-  Shape now = shape();
-  smooth(cutoff);
-  Shape out = shape();
-  take_shape(std::move(now));
-  return out;
-}
-
-void LayoutSearch::smooth_what_allows() {
-  Shape before = shape();
-  const std::vector<double> error_before = evaluation().patch_error;
-  smooth();
-  for (double cutoff : kMilder) {
-    std::vector<int> bad;
-    const LayoutEvaluation& e = evaluation();
-    for (int p = 0; p < static_cast<int>(e.patches.size()); ++p)
-      if (!e.patches[p]->viable() || e.patch_error[p] > std::max(params_.evaluation.e_max, error_before[p]))
-        bad.push_back(p);
-    if (bad.empty()) return;
-    put_back(bad, cutoff > 0 ? smoothed(cutoff) : before);
-  }
-  take_shape(std::move(before));
-}
-
 void LayoutSearch::reject(const std::vector<int>& patches) {
   for (int p : patches) evaluator_->reject(layout().patches[p]);
 }
@@ -314,26 +254,6 @@ int LayoutSearch::insert_for_geometry() {
     if (split(bad, PatchVerdict::kError) == 0) return round;
   }
   return 60;
-}
-
-void LayoutSearch::smooth(double cutoff) {
-  places_.clear();
-  std::vector<char> path_edge(surface_.mesh.edges.size(), 0), fixed(surface_.mesh.points.size(), 0);
-  const PathNetwork& net = network_.network();
-  for (int e = 0; e < surface_.mesh.edge_count(); ++e) {
-    if (!net.used(e)) continue;
-    const auto& edge = surface_.mesh.edges[e];
-    path_edge[e] = 1;
-    if (is_held(net.kinds[net.edge_path[e]])) fixed[edge.v0] = fixed[edge.v1] = 1;
-  }
-  SmoothParams params;
-  params.rest = &rest_;
-  params.cutoff_edges = cutoff;
-  if (surface_.regions != nullptr)
-    params.allowed = [&](const Vector3& from, const Vector3& to) { return outside_regions(from, to); };
-  for (int v : smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, params, context_))
-    surface_.versions[v] = ++last_version_;
-  changed();
 }
 
 // The patches on either side of these edges.

@@ -59,6 +59,8 @@ class LayoutSearch {
   void settle();
   /// Smooths the paths as far as every patch stays viable.
   void smooth_what_allows();
+  /// The same arch by arch, where a staircase is left because one arch spoils it for all of a patch.
+  void smooth_rough_arches();
   /// Arches on the plane of symmetry become straight, longest first, where the patch beside each then fits
   /// together with its mirror image; returns how many.
   int straighten_plane();
@@ -105,7 +107,10 @@ class LayoutSearch {
   void take_shape(Shape shape);
   void smooth(double cutoff);
   Shape smoothed(double cutoff);
-  void put_back(const std::vector<int>& patches, const Shape& shape);
+  void move_to(const std::vector<int>& vertices, const Shape& shape);
+  SmoothParams smooth_params(double cutoff) const;
+  double sharpest_turn(const Arch& arch) const;
+  bool try_smooth_arch(const Arch& arch, double cutoff, double from_ends);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   /// A stretch of a candidate that could go through a patch.
   struct Proposal {

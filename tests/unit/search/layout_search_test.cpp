@@ -119,6 +119,41 @@ TEST(LayoutSearch, SmoothingMovesVerticesOnTheSurfaceOnly) {
     EXPECT_GT(mesh.face_normal_raw(f).dot(s.bed.surface.guide.normal[f]), 0);
 }
 
+// Arches between two patches that turn by more than 35 degrees at a vertex.
+int rough_arches(const SurfaceMesh& mesh, const PatchLayout& layout) {
+  int rough = 0;
+  for (const Arch& a : layout.arches) {
+    double sharpest = 0;
+    for (std::size_t i = 1; i + 1 < a.vertices.size() && a.left >= 0 && a.right >= 0; ++i) {
+      const Vector3 in = mesh.points[a.vertices[i]] - mesh.points[a.vertices[i - 1]],
+                    out = mesh.points[a.vertices[i + 1]] - mesh.points[a.vertices[i]];
+      sharpest = std::max(sharpest, std::atan2(in.cross(out).norm(), in.dot(out)));
+    }
+    rough += sharpest > 35 * shapes::kPi / 180 && !a.closed();
+  }
+  return rough;
+}
+
+TEST(LayoutSearch, RoughArchesLoseTheirStaircaseAndPatchesStayViable) {
+  Searched s(shapes::torus(48, 24), 0.04);
+  s.search->insert();
+  s.search->remove_paths();
+  s.search->remove_arches();
+  const auto patches = s.search->layout().patches.size();
+  s.search->split({0, 1}, PatchVerdict::kError);
+  s.search->remove_arches();
+  const std::vector<int> before = s.search->network().network().edge_path;
+  const int rough = rough_arches(s.bed.surface.mesh, s.search->layout());
+  ASSERT_GT(rough, 0) << "a cut runs along the edges of the mesh";
+  s.search->smooth_rough_arches();
+  EXPECT_LT(rough_arches(s.bed.surface.mesh, s.search->layout()), rough);
+  EXPECT_EQ(s.search->network().network().edge_path, before);
+  EXPECT_LE(s.search->layout().patches.size(), patches + 2);
+  EXPECT_EQ(s.search->evaluation().failing, 0);
+  for (const Vector3& p : s.bed.surface.mesh.points)
+    EXPECT_LT(std::sqrt(s.bed.tree.closest(p).squared_distance), 0.002);
+}
+
 TEST(LayoutSearch, IsTheSameForAnyNumberOfThreads) {
   std::vector<std::vector<int>> networks;
   for (int threads : {1, 3}) {
