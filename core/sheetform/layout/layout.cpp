@@ -39,24 +39,59 @@ class Extractor {
     out_.face_patch.assign(mesh_.faces.size(), -1);
     out_.edge_arch.assign(mesh_.edges.size(), -1);
     if (faces != nullptr) {
-      for (int f : *faces) flood(f);
+      std::vector<int> ascending = *faces;
+      for (int f : ascending) flood(f);
+      std::sort(ascending.begin(), ascending.end());
+      for (int f : ascending) collect(f);
     } else {
       for (int f = 0; f < mesh_.face_count(); ++f) flood(f);
+      for (int f = 0; f < mesh_.face_count(); ++f) collect(f);
     }
     mark_nodes();
     chain_arches();
     walk_boundaries();
-    for (Patch& patch : out_.patches) judge(patch);
+    for (std::size_t p = 0; p < out_.patches.size(); ++p) judge(static_cast<int>(p));
     return std::move(out_);
   }
 
  private:
+  // A face's edge on the outline of its patch; edge k joins corners k and k + 1.
+  struct HalfEdge {
+    int face, k;
+  };
+
+  // Labels all faces that hang together with this one.
+  void flood(int seed) {
+    if (out_.face_patch[seed] >= 0) return;
+    const int id = static_cast<int>(out_.patches.size());
+    out_.patches.emplace_back();
+    std::vector<int> stack{seed};
+    out_.face_patch[seed] = id;
+    while (!stack.empty()) {
+      const int f = stack.back();
+      stack.pop_back();
+      for (int e : mesh_.face_edges[f]) {
+        if (net_.used(e)) continue;
+        const int g = mesh_.edges[e].other_face(f);
+        if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
+      }
+    }
+  }
+
+  // Gives a labelled face to its patch; all that follows looks at outlines alone.
+  void collect(int f) {
+    const int id = out_.face_patch[f];
+    Patch& patch = out_.patches[id];
+    patch.faces.push_back(f);
+    patch.area += mesh_.face_normal_raw(f).norm() / 2;
+    outline_.resize(out_.patches.size());
+    for (int k = 0; k < 3; ++k)
+      if (net_.used(mesh_.face_edges[f][k])) outline_[id].push_back({f, k});
+  }
+
   void mark_nodes() {
-    for (const Patch& patch : out_.patches)
-      for (int f : patch.faces)
-        for (int k = 0; k < 3; ++k)
-          if (net_.used(mesh_.face_edges[f][k]))
-            mark_node(mesh_.faces[f][k]), mark_node(mesh_.faces[f][(k + 1) % 3]);
+    for (const auto& outline : outline_)  // outlines are loops: every vertex starts an edge
+      for (const HalfEdge& h : outline) mark_node(mesh_.faces[h.face][h.k]);
   }
 
   void mark_node(int v) {
@@ -69,27 +104,6 @@ class Extractor {
       differ |= path != first;
     }
     out_.node[v] = degree > 0 && (degree != 2 || differ || net_.pinned_node[v]);
-  }
-
-  void flood(int seed) {
-    if (out_.face_patch[seed] >= 0) return;
-    const int id = static_cast<int>(out_.patches.size());
-    out_.patches.emplace_back();
-    Patch& patch = out_.patches.back();
-    std::vector<int> stack{seed};
-    out_.face_patch[seed] = id;
-    while (!stack.empty()) {
-      const int f = stack.back();
-      stack.pop_back();
-      patch.faces.push_back(f);
-      for (int e : mesh_.face_edges[f]) {
-        if (net_.used(e)) continue;
-        const int g = mesh_.edges[e].other_face(f);
-        if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
-      }
-    }
-    std::sort(patch.faces.begin(), patch.faces.end());
-    for (int f : patch.faces) patch.area += mesh_.face_normal_raw(f).norm() / 2;
   }
 
   int next_edge(int v, int from) const {
@@ -164,10 +178,9 @@ class Extractor {
   }
 
   void chain_arches() {
-    for (const Patch& patch : out_.patches)
-      for (int f : patch.faces)
-        for (int e : mesh_.face_edges[f])
-          if (net_.used(e) && out_.edge_arch[e] < 0) trace_arch(e);
+    for (const auto& outline : outline_)
+      for (const HalfEdge& h : outline)
+        if (const int e = mesh_.face_edges[h.face][h.k]; out_.edge_arch[e] < 0) trace_arch(e);
   }
 
   // The next boundary half-edge after corner k of f, turning inside the patch.
@@ -206,34 +219,33 @@ class Extractor {
 
   void walk_boundaries() {
     seen_.assign(3 * mesh_.faces.size(), 0);
-    for (Patch& patch : out_.patches)
-      for (int f : patch.faces)
-        for (int k = 0; k < 3; ++k) {
-          if (seen_[3 * f + k] || !net_.used(mesh_.face_edges[f][k])) continue;
-          // Start at a node, so that no arch is entered in its middle.
-          auto [g, j] = std::pair{f, k};
-          while (!out_.node[mesh_.faces[g][j]]) {
-            std::tie(g, j) = successor(g, j);
-            if (g == f && j == k) break;
-          }
-          auto uses = walk_loop(g, j);
-          if (patch.loops++ == 0) patch.boundary = std::move(uses);
+    for (std::size_t p = 0; p < out_.patches.size(); ++p)
+      for (const HalfEdge& h : outline_[p]) {
+        if (seen_[3 * h.face + h.k]) continue;
+        // Start at a node, so that no arch is entered in its middle.
+        auto [g, j] = std::pair{h.face, h.k};
+        while (!out_.node[mesh_.faces[g][j]]) {
+          std::tie(g, j) = successor(g, j);
+          if (g == h.face && j == h.k) break;
         }
+        auto uses = walk_loop(g, j);
+        if (out_.patches[p].loops++ == 0) out_.patches[p].boundary = std::move(uses);
+      }
   }
 
-  int euler(const Patch& patch) {
-    // Of the patch cut open: inner vertices - inner edges + faces (boundary vertices and edges cancel).
-    int twice_edges = 0, vertices = 0;
-    const int id = out_.face_patch[patch.faces.front()];
+  // Of the patch cut open: inner vertices - inner edges + faces (vertices and edges of the outline cancel).
+  int euler(int p) {
+    const Patch& patch = out_.patches[p];
+    int vertices = 0;
+    const auto count = [&](int v, int by, int mark) {
+      if (stamp(v) != mark) stamp(v) = mark, vertices += by;
+    };
     for (int f : patch.faces)
-      for (int k = 0; k < 3; ++k) {
-        twice_edges += !net_.used(mesh_.face_edges[f][k]);
-        const int v = mesh_.faces[f][k];
-        if (stamp(v) == id + 1) continue;
-        stamp(v) = id + 1;
-        vertices += network_degree(mesh_, net_, v) == 0;
-      }
-    return vertices - twice_edges / 2 + static_cast<int>(patch.faces.size());
+      for (int v : mesh_.faces[f]) count(v, 1, 2 * p + 1);
+    for (const HalfEdge& h : outline_[p])
+      for (int v : {mesh_.faces[h.face][h.k], mesh_.faces[h.face][(h.k + 1) % 3]}) count(v, -1, 2 * p + 2);
+    const auto faces = static_cast<int>(patch.faces.size()), outer = static_cast<int>(outline_[p].size());
+    return vertices - (3 * faces - outer) / 2 + faces;
   }
 
   int& stamp(int v) {
@@ -241,8 +253,9 @@ class Extractor {
     return stamps_[v];
   }
 
-  void judge(Patch& patch) {
-    const bool disk = patch.loops == 1 && euler(patch) == 1;
+  void judge(int p) {
+    Patch& patch = out_.patches[p];
+    const bool disk = patch.loops == 1 && euler(p) == 1;
     patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
     patch.key = mix(patch.faces.size(), static_cast<std::uint64_t>(patch.loops));
     for (const ArchUse& use : patch.boundary)
@@ -285,6 +298,7 @@ class Extractor {
   const std::vector<int>& versions_;
   const LayoutRules& rules_;
   PatchLayout out_;
+  std::vector<std::vector<HalfEdge>> outline_;  // by patch, ascending
   std::vector<char> seen_;
   std::vector<int> stamps_;
 };
@@ -349,6 +363,26 @@ int network_degree(const SurfaceMesh& mesh, const PathNetwork& network, int v) {
   int degree = 0;
   for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e) degree += network.used(*e);
   return degree;
+}
+
+std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& network,
+                                 const std::vector<int>& faces) {
+  std::vector<char> taken(mesh.faces.size(), 0);
+  for (int f : faces) taken[f] = 1;
+  std::vector<int> all = faces;
+  const auto take = [&](int f) {
+    if (f < 0 || taken[f]) return;
+    taken[f] = 1;
+    all.push_back(f);
+  };
+  for (int f : faces)
+    for (int e : mesh.face_edges[f])
+      if (network.used(e)) take(mesh.edges[e].other_face(f));
+  for (std::size_t i = faces.size(); i < all.size(); ++i)
+    for (int e : mesh.face_edges[all[i]])
+      if (!network.used(e)) take(mesh.edges[e].other_face(all[i]));
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,

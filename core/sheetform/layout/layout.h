@@ -98,6 +98,11 @@ PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,
                            const std::vector<int>& versions, const LayoutRules& rules,
                            const std::vector<int>& faces);
 
+/// These faces, which must be whole patches, and those of all patches beside them; ascending. O(their number)
+/// apart from clearing an array.
+std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& network,
+                                 const std::vector<int>& faces);
+
 /// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex,
 /// changes when the vertex has moved. O(faces).
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,

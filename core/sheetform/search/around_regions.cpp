@@ -92,14 +92,14 @@ bool LayoutSearch::recut_around(const std::vector<int>& arch) {
   const EditableNetwork network_before = network_;
   const double inside = length_inside();
   const std::size_t parts = layout().patches.size();
-  if (places_.empty()) store(evaluation());
+  have_places();
   const PatchLayout layout_before = layout_;
   const ArchPlaces places_before = places_;
   const std::vector<int> faces = faces_of(patches_beside(edges));
   network_.remove_edges(edges);
   changed();
   for (int attempt = 0; attempt <= kRecuts; ++attempt) {
-    if (viable_region(network_.network(), faces) && region_fits(faces, 0)) {
+    if (viable_region(network_.network(), faces) && region_fits(faces)) {
       if (length_inside() < inside - 1e-9 && layout().patches.size() <= parts + 2) return true;
       break;
     }

@@ -62,7 +62,7 @@ bool LayoutSearch::try_improve(const Proposal& proposal) {
   const std::vector<int> faces = layout_.patches[proposal.patch].faces;
   kept_path_ = network_.insert_edges(run, PathKind::kCut);
   changed();
-  if (!viable_region(network_.network(), faces) || !region_fits(faces, 0)) return false;
+  if (!viable_region(network_.network(), faces) || !region_fits(faces)) return false;
   remove_arches();
   const std::size_t parts = layout().patches.size();
   return parts < parts_before || (parts == parts_before && objective() < before + kPlateau);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -291,36 +292,38 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
 }
 
 // After the network has changed over these faces: morphs the new patches with their neighbours, the rest
-// held; true when all of them stay within e_max (or, where that was exceeded before, get no worse).
-bool LayoutSearch::region_fits(const std::vector<int>& faces, double before) {
-  layout();
-  std::set<int> fresh, region;
-  for (int f : faces) fresh.insert(layout_.face_patch[f]);
-  region = fresh;
-  for (int p : fresh)
-    for (const ArchUse& use : layout_.patches[p].boundary)
-      for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
-        if (q >= 0) region.insert(q);
-  const std::vector<int> list(region.begin(), region.end());
-  const LayoutEvaluation e = evaluator_->solve_region(layout_, list, places_, params_.lawson_rounds);
-  if (e.max_error > std::max(params_.evaluation.e_max, before)) return false;
-  store(e);
+// held; true when all of them stay within e_max.
+bool LayoutSearch::region_fits(const std::vector<int>& faces) {
+  const PathNetwork& network = network_.network();
+  const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
+                                            with_neighbours(surface_.mesh, network, faces));
+  std::vector<int> all(region.patches.size());
+  std::iota(all.begin(), all.end(), 0);
+  const LayoutEvaluation e = evaluator_->solve_region(region, all, places_, params_.lawson_rounds);
+  if (e.max_error > params_.evaluation.e_max) return false;
+  store(region, e);
   return true;
 }
 
-void LayoutSearch::store(const LayoutEvaluation& e) {
+void LayoutSearch::store(const PatchLayout& layout, const LayoutEvaluation& e) {
   for (std::size_t a = 0; a < e.arch_unknowns.size(); ++a) {
     if (e.arch_unknowns[a].empty()) continue;
-    auto& places = places_[layout_.arches[a].key];
+    auto& places = places_[layout.arches[a].key];
     places.clear();
     for (int u : e.arch_unknowns[a]) places.push_back(e.position[u]);
   }
 }
 
+void LayoutSearch::have_places() {
+  if (!places_.empty()) return;
+  const LayoutEvaluation& e = evaluation();
+  store(layout_, e);
+}
+
 bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   if (edges.empty() || network_.leaves_loose_end(edges)) return false;
   const std::vector<int> beside = patches_beside(edges), faces = faces_of(beside);
-  if (places_.empty()) store(evaluation());
+  have_places();
   PathNetwork trial = network_.network();
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
   if (!viable_region(trial, faces)) return false;
@@ -329,7 +332,8 @@ bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   PatchLayout before = std::move(layout_);
   network_.remove_edges(edges);
   changed();
-  if (region_fits(faces, 0)) {
+  if (region_fits(faces)) {
+    layout();
     join_straight(edges);
     return true;
   }

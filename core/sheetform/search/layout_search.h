@@ -96,8 +96,9 @@ class LayoutSearch {
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
-  bool region_fits(const std::vector<int>& faces, double before);
-  void store(const LayoutEvaluation& e);
+  bool region_fits(const std::vector<int>& faces);
+  void store(const PatchLayout& layout, const LayoutEvaluation& e);
+  void have_places();
   /// Where the vertices are, and which version of each that is.
   struct Shape {
     std::vector<Vector3> points;

@@ -114,7 +114,7 @@ double LayoutSearch::sharpest_turn(const Arch& arch) const {
 // Smooths an arch between its ends as they are, and so far from them; false when the patches around no longer
 // fit.
 bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_ends) {
-  if (places_.empty()) store(evaluation());
+  have_places();
   Shape before = shape();
   ArchPlaces places = places_;
   SurfaceMesh& mesh = surface_.mesh;
@@ -135,11 +135,9 @@ bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_
   std::set<int> moved;
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int v : mesh.faces[f])
-      if (surface_.versions[v] != before.versions[v]) moved.insert(layout().face_patch[f]);
-  const std::vector<int> patches(moved.begin(), moved.end());
-  const bool viable = std::all_of(patches.begin(), patches.end(),
-                                  [&](int p) { return evaluator_->patch(layout(), p)->viable(); });
-  if (viable && region_fits(faces_of(patches), 0)) return true;
+      if (surface_.versions[v] != before.versions[v]) moved.insert(layout_.face_patch[f]);
+  const std::vector<int> faces = faces_of({moved.begin(), moved.end()});  // patches have the same faces still
+  if (viable_region(network_.network(), faces) && region_fits(faces)) return true;
   take_shape(std::move(before));
   places_ = std::move(places);
   return false;

@@ -34,10 +34,10 @@ bool LayoutSearch::try_straighten(int edge) {
   if (arch.closed() || slope(surface_.mesh, arch) > kCrease || surface_.is_drawn(network_.network(), arch))
     return false;
   const int face = surface_.mesh.edges[edge].f0;
-  if (places_.empty()) store(evaluation());
+  have_places();
   const std::vector<int> faces = layout_.patches[layout_.face_patch[face]].faces;
   set_straight(arch.edges, true);
-  if (evaluator_->patch(layout(), layout_.face_patch[face])->viable() && region_fits(faces, 0)) return true;
+  if (evaluator_->patch(layout(), layout_.face_patch[face])->viable() && region_fits(faces)) return true;
   for (int e : arch.edges) surface_.straight[e] = 0;
   network_.restore_edges(arch.edges, std::vector<int>(arch.edges.size(), arch.path));
   changed();

@@ -75,6 +75,20 @@ void expect_part_of(const PatchLayout& all, const PatchLayout& region, const std
   }
 }
 
+// The faces of the chosen patches and of those across their arches, ascending.
+void expect_neighbours(const Drawing& d, const PatchLayout& all, const std::set<int>& chosen,
+                       const std::vector<int>& found) {
+  std::set<int> patches = chosen;
+  for (const Arch& a : all.arches) {
+    if (chosen.count(a.left) && a.right >= 0) patches.insert(a.right);
+    if (chosen.count(a.right) && a.left >= 0) patches.insert(a.left);
+  }
+  std::vector<int> faces;
+  for (int f = 0; f < d.mesh.face_count(); ++f)
+    if (patches.count(all.face_patch[f])) faces.push_back(f);
+  EXPECT_EQ(found, faces);
+}
+
 void expect_regions_agree(const Drawing& d, std::mt19937& random) {
   const PatchLayout all = d.layout();
   for (int trial = 0; trial < 4; ++trial) {
@@ -86,6 +100,7 @@ void expect_regions_agree(const Drawing& d, std::mt19937& random) {
     for (int p : chosen) faces.insert(faces.end(), all.patches[p].faces.begin(), all.patches[p].faces.end());
     std::shuffle(faces.begin(), faces.end(), random);  // the order of the faces decides nothing
     expect_part_of(all, extract_region(d.mesh, d.network, d.versions, {}, faces), chosen);
+    expect_neighbours(d, all, chosen, with_neighbours(d.mesh, d.network, faces));
   }
 }
 
