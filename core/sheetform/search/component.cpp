@@ -273,9 +273,9 @@ class ComponentRun {
     search.remove_arches();
   }
 
-  // Few parts are soon tried out.
+  // Few parts are soon tried out, and one cannot become fewer.
   int tries(LayoutSearch& search) const {
-    return std::min(params_.improvements, 6 * static_cast<int>(search.layout().patches.size()));
+    return std::min(params_.improvements, 6 * (static_cast<int>(search.layout().patches.size()) - 1));
   }
 
   // Final strips of the present layout; what breaks a promise is split, until nothing does.
