@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <tuple>
@@ -109,10 +110,14 @@ class ComponentRun {
     const TracingGraph graph =
         without_edges(mesh, tracing_graph(mesh, lines, field, {}, context_), surface_.keep_out);
     const PathNetwork start = start_network(graph, field);
+    TraceParams trace;
+    trace.seeds = *std::max_element(params_.seeds.begin(), params_.seeds.end());
+    const std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
     for (int seeds : params_.seeds) {
-      TraceParams trace;
-      trace.seeds = seeds;
-      add_lane(start, graph, trace_candidates(mesh, graph, field, trace, context_));
+      std::vector<Path> own;
+      std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(own),
+                   [&](const Path& path) { return path.seed < seeds; });
+      add_lane(start, graph, std::move(own));
     }
     laps_.lap(Stage::kTrace);
     ComponentResult finer;

@@ -11,6 +11,7 @@ namespace {
 constexpr double kMaxDrift = 0.12;
 // Two paths that share more than this part of their M2 nodes count as one.
 constexpr double kSamePath = 0.8;
+constexpr int kLoops = 2;  // through each interior seed, one along each arm of the cross
 
 int sheet_node(int v, int d) { return 2 * v + (d & 1); }
 
@@ -50,15 +51,16 @@ class Pool {
 // Traces nodes in rounds of fixed size, in parallel inside a round. A node that an accepted path runs through
 // already would give that path again and is skipped; fixed rounds keep this independent of the number of
 // threads.
-template <typename Trace>
+template <typename Trace, typename Rank>
 void trace_in_rounds(const std::vector<int>& nodes, Pool& pool, std::vector<PathSearch>& searches,
-                     const RunContext& context, const Trace& trace) {
+                     const RunContext& context, const Trace& trace, const Rank& rank_of) {
   constexpr int kRound = 32;
   std::size_t next = 0;
   while (next < nodes.size()) {
-    std::vector<int> round;
+    std::vector<int> round, ranks;
     for (; next < nodes.size() && round.size() < kRound; ++next)
-      if (!pool.is_used(TracingGraph::vertex(nodes[next]), nodes[next] & 3)) round.push_back(nodes[next]);
+      if (!pool.is_used(TracingGraph::vertex(nodes[next]), nodes[next] & 3))
+        round.push_back(nodes[next]), ranks.push_back(static_cast<int>(next));
     std::vector<Path> found(round.size());
     const int workers = static_cast<int>(searches.size()), size = static_cast<int>(round.size());
     // One call a worker, which takes every workers-th node: each has its own search arrays.
@@ -66,6 +68,7 @@ void trace_in_rounds(const std::vector<int>& nodes, Pool& pool, std::vector<Path
       for (int i = worker; i < size; i += workers) {
         context.checkpoint();
         found[i] = trace(searches[worker], round[i]);
+        found[i].seed = rank_of(ranks[i]);
       }
     });
     for (Path& path : found) pool.offer(std::move(path));
@@ -80,7 +83,7 @@ std::vector<int> interior_nodes(const SurfaceMesh& mesh, const TracingGraph& gra
     for (int v : mesh.faces[f]) candidate[v] = 0;
   std::vector<int> nodes;
   for (int v : farthest_point_samples(mesh, candidate, graph.terminal, seeds))
-    for (int d : {0, 1}) nodes.push_back(TracingGraph::node(v, d));
+    for (int d = 0; d < kLoops; ++d) nodes.push_back(TracingGraph::node(v, d));
   return nodes;
 }
 
@@ -105,10 +108,13 @@ std::vector<Path> trace_candidates(const SurfaceMesh& mesh, const TracingGraph& 
   for (int t = 0; t < std::max(1, context.threads); ++t)
     searches.emplace_back(mesh, graph, field, params.drift_weight, max_cost);
   Pool pool(mesh);
-  trace_in_rounds(terminal_nodes(mesh, graph, params.border_seeds), pool, searches, context,
-                  [](PathSearch& search, int node) { return search.from_terminal(node); });
-  trace_in_rounds(interior_nodes(mesh, graph, field, params.seeds), pool, searches, context,
-                  [](PathSearch& search, int node) { return search.through(node); });
+  trace_in_rounds(
+      terminal_nodes(mesh, graph, params.border_seeds), pool, searches, context,
+      [](PathSearch& search, int node) { return search.from_terminal(node); }, [](int) { return -1; });
+  trace_in_rounds(
+      interior_nodes(mesh, graph, field, params.seeds), pool, searches, context,
+      [](PathSearch& search, int node) { return search.through(node); },
+      [](int node) { return node / kLoops; });
   return pool.take();
 }
 
