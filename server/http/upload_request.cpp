@@ -123,7 +123,7 @@ class Details {
 std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
   exchange.body.set_limit(service.limits().upload_bytes);
   std::unique_ptr<Upload> upload = service.begin_upload();
-  for (std::string piece; !(piece = exchange.body.read()).empty();) upload->add(piece);
+  for (std::string_view piece; !(piece = exchange.body.read()).empty();) upload->add(piece);
   return upload;
 }
 
@@ -202,7 +202,7 @@ std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Detai
   MultipartReader reader(boundary, {[&](const PartHead& part) { form.begin(part); },
                                     [&](std::string_view bytes) { form.data(bytes); }, [&] { form.end(); }});
   exchange.body.set_limit(service.limits().upload_bytes + kFieldBytes);
-  for (std::string piece; !(piece = exchange.body.read()).empty();)
+  for (std::string_view piece; !(piece = exchange.body.read()).empty();)
     if (!reader.add(piece)) refuse_body(reader.error());
   if (!reader.complete()) refuse_body(reader.error());
   return form.take();
