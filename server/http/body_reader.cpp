@@ -127,7 +127,8 @@ BodyReader::BodyReader(int fd, std::string buffered, const RequestHead& head, co
 void BodyReader::set_limit(std::uint64_t bytes) {
   limit_ = bytes;
   if (!chunked_ && left_ > limit_)
-    throw BodyError(api::ProblemType::kPayloadTooLarge, "the body has " + std::to_string(left_) + " bytes");
+    throw BodyError(api::ProblemType::kPayloadTooLarge,
+                    "the body has " + std::to_string(left_) + " bytes, more than " + std::to_string(limit_));
 }
 
 void BodyReader::check_speed() const {

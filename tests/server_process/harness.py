@@ -1,6 +1,8 @@
 """A real server process for the tests: started on a free port with a fresh data folder, spoken to by the standard
 library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
+import base64
 import fcntl
+import hashlib
 import http.client
 import itertools
 import json
@@ -278,6 +280,10 @@ class Contract:
         if answer.headers.get("Content-Type") == "application/problem+json" and method != "HEAD":
             for member in ("title", "detail", "fix", "requestId"):  # what, where, how to mend it, which one
                 assert answer.json().get(member), f"{method} {path} -> {answer.status}: no {member} in {answer.body[:300]}"
+        digest = answer.headers.get("Repr-Digest")
+        if method == "GET" and answer.status == 200 and digest:
+            own = base64.b64encode(hashlib.sha256(answer.body).digest()).decode()
+            assert digest == f"sha-256=:{own}:", f"{method} {path}: Repr-Digest is not that of the body"
         operation = self.operation(method, path)
         if operation is None:
             return
