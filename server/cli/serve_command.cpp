@@ -288,6 +288,7 @@ CommandSpec serve_spec() {
 
 int serve_command(const ParsedLine& line) {
   open_the_log(line);
+  keep_files_private();
   const std::vector<ListenAddress> addresses = addresses_of(line);
   const sigset_t signals = stop_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);

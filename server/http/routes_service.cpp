@@ -1,6 +1,7 @@
 // Landing page, conformance, description, limits, health, version, figures, session.
 #include "server/base/version.h"
 #include "server/http/api_parts.h"
+#include "sheetform/mesh/mesh_io.h"
 #include "sheetform_api/api_description.h"
 
 namespace sheetform::server {
@@ -42,8 +43,11 @@ Answer description(Exchange&) {
 
 Answer limits(const ApiParts& parts) {
   const ServiceLimits& l = parts.service.limits();
+  const ReadLimits mesh;
   return json_answer(200, api::Json{{"uploadBytes", l.upload_bytes},
                                     {"jsonBytes", l.json_bytes},
+                                    {"meshVertices", mesh.vertices},
+                                    {"meshFaces", mesh.faces},
                                     {"queuedJobs", l.queued_jobs},
                                     {"runningJobs", l.slots},
                                     {"jobSeconds", l.job_seconds},

@@ -318,10 +318,22 @@ class Contract:
 
     TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
 
-    def validate(self, value, schema, where):
+    def members(self, schema):
+        """The names that an object may have, and whether it may have others."""
         schema = self.resolve(schema)
+        parts = [self.members(part) for part in schema.get("allOf", [])]
+        names = set(schema.get("properties", {})).union(*(known for known, _ in parts))
+        return names, "additionalProperties" in schema or not names or any(is_open for _, is_open in parts)
+
+    def validate(self, value, schema, where, whole=False):
+        """whole: the value is seen against all of allOf elsewhere."""
+        schema = self.resolve(schema)
+        if isinstance(value, dict) and not whole:
+            known, is_open = self.members(schema)
+            undescribed = [] if is_open else sorted(set(value) - known)
+            assert not undescribed, f"{where}: {undescribed} are not described"
         for part in schema.get("allOf", []):
-            self.validate(value, part, where)
+            self.validate(value, part, where, True)
         if "type" in schema:
             kind = self.TYPES[schema["type"]]
             good = isinstance(value, kind) and not (schema["type"] in ("integer", "number") and isinstance(value, bool))

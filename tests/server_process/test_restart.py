@@ -289,6 +289,9 @@ class Backup(unittest.TestCase):
             self.assertEqual(copied.returncode, 0, copied.stderr)
             restored = run("restore", folder + "/copy", "--data", folder + "/data")
             self.assertEqual(restored.returncode, 0, restored.stderr)
+            for made in ("copy", "data"):  # as private as what they were made from
+                found = [os.path.join(f, name) for f, folders, files in os.walk(f"{folder}/{made}") for name in folders + files]
+                self.assertEqual([path for path in found if os.stat(path).st_mode & 0o077], [])
             again = Server("--slots", "2", data=folder + "/data")
             with again:
                 for job in jobs:

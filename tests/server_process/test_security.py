@@ -105,6 +105,18 @@ class Addresses(unittest.TestCase):
             self.assertEqual(answer.returncode, 64)
             return answer.stderr.decode().splitlines()[-1]
 
+    def test_what_is_stored_is_nobody_elses_business(self):
+        before = os.umask(0)
+        try:
+            with Server(data=os.path.join(tempfile.mkdtemp(prefix="sheetform-test-"), "data")) as server:
+                server.own_data = True
+                server.wait(server.submit()["jobID"])
+                found = [os.path.join(folder, name) for folder, folders, files in os.walk(server.data) for name in folders + files]
+                self.assertGreater(len(found), 8)
+                self.assertEqual([path for path in [server.data, *found] if os.stat(path).st_mode & 0o077], [])
+        finally:
+            os.umask(before)
+
     def test_open_addresses_need_a_token(self):
         for address in ("0.0.0.0:0", "[::]:0"):
             self.assertIn("needs a token", self.refused("--listen", address))
