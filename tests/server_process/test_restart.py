@@ -1,5 +1,6 @@
 """What was acknowledged is never lost: restarts, kill -9, drain, replay of events, backup."""
 import contextlib
+import fcntl
 import hashlib
 import http.client
 import json
@@ -132,7 +133,20 @@ class Restart(unittest.TestCase):
             other = subprocess.run([PROGRAM, "serve", "--data", server.data, "--listen", "127.0.0.1:0"],
                                    stderr=subprocess.PIPE, timeout=20)
             self.assertNotEqual(other.returncode, 0)
-            self.assertIn(b"another sheetform server uses the data folder", other.stderr)
+            self.assertEqual(other.returncode, 64)
+            self.assertRegex(other.stderr.splitlines()[-1], rb"^sheetform: another sheetform server uses the data folder .*; stop it")
+            self.assertEqual(server.get("/healthz").status, 200)
+
+    def test_a_lock_that_is_let_go_in_a_moment_is_waited_for(self):
+        """A child that a killed server was just about to start has it until it has become another program."""
+        with Server() as server:
+            server.stop(signal.SIGKILL)
+            with open(server.data + "/.lock") as held:
+                fcntl.flock(held, fcntl.LOCK_EX)
+                server.start(wait=False)
+                time.sleep(1)
+                self.assertIsNone(server.process.poll())
+            server.find_port()
             self.assertEqual(server.get("/healthz").status, 200)
 
     def test_unfinished_uploads_are_swept(self):

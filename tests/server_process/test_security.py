@@ -122,6 +122,19 @@ class Addresses(unittest.TestCase):
             self.assertIn("needs a token", self.refused("--listen", address))
         with Server("--listen", "0.0.0.0:0", "--insecure-no-auth") as server:
             self.assertEqual(server.get("/api/v1/jobs").status, 200)
+            # Nothing asks for a token, so no page of others may have its name point here.
+            for host, status in [("evil.example.org", 421), ("127.0.0.1.evil.org", 421), ("999.1.1.1", 421), ("192.168.7.5:8080", 200),
+                                 ("[fe80::1]:8080", 200), ("localhost:8080", 200)]:
+                answer = server.raw(f"GET /api/v1/jobs HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+                self.assertTrue(answer.startswith(f"HTTP/1.1 {status} ".encode()), (host, answer[:100]))
+
+    def test_a_public_name_is_told(self):
+        self.assertIn("is no URL", self.refused("--public-url", "sheets.example.org"))
+        with Server("--listen", "0.0.0.0:0", "--insecure-no-auth", env={"SHEETFORM_PUBLIC_URL": "https://sheets.example.org/"}) as server:
+            self.assertIn("may do everything", str(server.log_lines()))
+            for host, status in [("sheets.example.org", 200), ("evil.example.org", 421)]:
+                answer = server.raw(f"GET /api/v1/jobs HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+                self.assertTrue(answer.startswith(f"HTTP/1.1 {status} ".encode()), (host, answer[:100]))
 
     def test_secret_from_a_file(self):
         with tempfile.NamedTemporaryFile() as f:
