@@ -13,7 +13,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from trials import (EXECUTION, Server, Skip, all_jobs, arc, expect, in_threads, latencies, percentile, trial, unique_mesh,
+from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_threads, latencies, percentile, trial, unique_mesh,
                     until_idle)
 
 
@@ -105,6 +105,23 @@ def long_queue(figures, long, rng):
         expect(len(states) == count, f"of {count} jobs {len(states)} are there")
         expect(done > 0 and states[:done] == ["successful"] * done, "jobs overtake each other")
         figures.put(worked_off_per_second=done / seconds)
+
+
+@trial("T10s", "uploads of many at a disk whose syncs take 10 ms: they share them")
+def slow_disk(figures, long, rng):
+    count, clients, slow = (1600, 16, 10) if long else (48, 8, 10)
+    with FaultyServer("--slots", "1", "--quiet", slow=slow) as server:
+        server.wait(server.submit(name="work-800000.obj")["jobID"], until=("running",))
+
+        def send(i):
+            for _ in range(count // clients):
+                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
+                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
+        begun = time.monotonic()
+        in_threads(clients, send)
+        # One transaction each could not take more than 100 in a second, whatever the machine.
+        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=150)
+        expect(len(all_jobs(server)) == count + 1, "a job is missing")
 
 
 def disk_rate(folder, block, writers, blocks):
