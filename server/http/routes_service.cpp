@@ -1,7 +1,7 @@
 // Landing page, conformance, description, limits, health, version, figures, session.
 #include "server/base/version.h"
 #include "server/http/api_parts.h"
-#include "sheetform/mesh/mesh_io.h"
+#include "server/mapping/run.h"
 #include "sheetform_api/api_description.h"
 
 namespace sheetform::server {
@@ -43,7 +43,7 @@ Answer description(Exchange&) {
 
 Answer limits(const ApiParts& parts) {
   const ServiceLimits& l = parts.service.limits();
-  const ReadLimits mesh;
+  const MeshLimits mesh = mesh_limits();
   return json_answer(200, api::Json{{"uploadBytes", l.upload_bytes},
                                     {"jsonBytes", l.json_bytes},
                                     {"meshVertices", mesh.vertices},

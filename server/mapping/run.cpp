@@ -157,6 +157,11 @@ std::string out_of_time(std::size_t done, std::size_t all) {
 
 }  // namespace
 
+MeshLimits mesh_limits() {
+  const ReadLimits limits;
+  return {limits.vertices, limits.faces};
+}
+
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters) {
   const InputBundle input = split_bundle(bytes);
   const MeshFile file = read_nonempty_mesh(input.mesh, name);
