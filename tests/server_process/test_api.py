@@ -468,7 +468,10 @@ class Description(ServerCase):
         self.assertEqual([p["id"] for p in self.server.get("/api/v1/processes?limit=1").json()["processes"]], ["decompose"])
 
     def test_limits_and_health(self):
-        self.assertEqual(self.server.get("/api/v1/limits").json()["uploadBytes"], 256 << 20)
+        limits = self.server.get("/api/v1/limits").json()
+        self.assertEqual(limits["uploadBytes"], 256 << 20)
+        described = json.loads(self.server.get("/api/v1/api").body)["components"]["schemas"]["Limits"]["properties"]
+        self.assertEqual(set(limits), set(described))
         self.assertEqual(self.server.get("/healthz").json()["status"], "ok")
         self.assertEqual(self.server.get("/readyz").json()["status"], "ok")
 

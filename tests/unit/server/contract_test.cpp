@@ -78,11 +78,14 @@ TEST_F(ContractTest, EveryReferenceLeadsSomewhere) {
   EXPECT_GT(references, 50);
 }
 
-TEST_F(ContractTest, LimitsDescribeEveryMember) {
-  const api::Json& properties = description_.at("components").at("schemas").at("Limits").at("properties");
-  for (const char* name :
-       {"uploadBytes", "queuedJobs", "jobSeconds", "submitsPerMinute", "keepResultsSeconds", "storedBytes"})
-    EXPECT_TRUE(properties.contains(name)) << name;
+TEST_F(ContractTest, EveryTypeOfProblemIsListed) {
+  const api::Json& type =
+      description_.at("components").at("schemas").at("Problem").at("properties").at("type");
+  ASSERT_EQ(type.at("enum").size(), api::problem_kinds().size());
+  for (const api::ProblemKind& kind : api::problem_kinds()) {
+    EXPECT_THAT(type.at("enum"), testing::Contains(api::type_uri(kind.type)));
+    EXPECT_NE(type.at("description").get<std::string>().find(kind.title), std::string::npos);
+  }
 }
 
 }  // namespace
