@@ -55,6 +55,9 @@ TEST_F(ContractTest, EveryOperationIsFitForPeople) {
       if (method == "parameters") continue;
       EXPECT_FALSE(operation.value("summary", "").empty()) << method << path;
       names.push_back(operation.at("operationId"));
+      for (const auto& [status, response] : operation.at("responses").items())
+        EXPECT_TRUE(response.contains("$ref") || response.at("description").is_string())  // `Yes` is none
+            << method << path << status;
     }
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
@@ -72,6 +75,7 @@ TEST_F(ContractTest, EveryReferenceLeadsSomewhere) {
       EXPECT_TRUE(description_.contains(api::Json::json_pointer(target.substr(1)))) << target;
       ++references;
     }
+    EXPECT_FALSE(node.is_null());  // a text with a comma, not quoted, becomes a name without a value
     if (node.is_structured())
       for (const api::Json& child : node) open.push_back(&child);
   }
