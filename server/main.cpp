@@ -2,14 +2,17 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "server/base/file_output.h"
 #include "server/base/version.h"
 #include "server/cli/commands.h"
 #include "server/cli/help.h"
 #include "server/jobs/nursery.h"
+#include "server/jobs/refusal.h"
 #include "server/jobs/worker_command.h"
 #include "server/mapping/errors.h"
+#include "server/store/store_error.h"
 
 namespace sheetform::server {
 namespace {
@@ -78,6 +81,12 @@ int guarded_main(const std::vector<std::string>& arguments) {
   } catch (const FileError& e) {
     return complain((std::string(e.what()) + "; free some space or choose another folder").c_str(),
                     kExitOurs);
+  } catch (const Refusal& e) {
+    return complain((e.problem().detail + "; " + e.problem().fix).c_str(), kExitUsage);
+  } catch (const StoreError& e) {
+    return complain((std::string("the store cannot be used: ") + e.what()).c_str(), kExitOurs);
+  } catch (const std::system_error& e) {
+    return complain(e.what(), kExitOurs);  // what the system refused: an address, a folder
   } catch (const std::bad_alloc&) {
     return complain("out of memory; simplify the mesh, or give the machine more memory", kExitOurs);
   } catch (const std::exception& e) {

@@ -1,6 +1,7 @@
 #include "sheetform_api/api_description.h"
 
 #include "sheetform_api/parameter_schema.h"
+#include "sheetform_api/problem.h"
 
 extern "C" const char sheetform_openapi_begin[], sheetform_openapi_end[];
 
@@ -28,10 +29,22 @@ OrderedJson in_openapi_words(OrderedJson schema) {
   return schema;
 }
 
+/// All types there are, and what each means.
+void list_problems(OrderedJson& type) {
+  std::string text = type.value("description", "");
+  for (const ProblemKind& kind : problem_kinds()) {
+    type["enum"].push_back(type_uri(kind.type));
+    text += "\n- `" + std::string(kind.slug) + "` (" + std::to_string(kind.status) + "): " + kind.title;
+    if (kind.retryable) text += "; the same request may succeed later";
+  }
+  type["description"] = text;
+}
+
 std::string build_description() {
   OrderedJson description = OrderedJson::parse(sheetform_openapi_begin, sheetform_openapi_end);
   description["components"]["schemas"]["Parameters"] =
       in_openapi_words(OrderedJson::parse(parameter_schema_text()));
+  list_problems(description["components"]["schemas"]["Problem"]["properties"]["type"]);
   return dump(description);
 }
 

@@ -1,4 +1,5 @@
-// The OpenAPI description as it is served: proto/openapi.yaml with the schema of the parameters filled in.
+// The OpenAPI description as it is served: proto/openapi.yaml with the schema of the parameters and the types
+// of problems filled in.
 #pragma once
 #include <string>
 

@@ -73,6 +73,24 @@ bool read_mesh_input(const Json& inputs, ExecuteRequest& request, Problem& probl
   return true;
 }
 
+/// What is asked for and not done would be an answer that nobody wanted.
+bool read_wishes(const Json& value, Problem& problem) {
+  if (value.contains("response") && value["response"] != "document")
+    return refuse(problem, ProblemType::kMalformedRequest, "response can only be document", "response",
+                  "leave it out; the results are a document with the address of each file");
+  if (!value.contains("outputs")) return true;
+  if (!value["outputs"].is_object()) return malformed(problem, "outputs is not an object", "outputs");
+  for (const auto& [name, wish] : value["outputs"].items()) {
+    if (output_title(name).empty())
+      return refuse(problem, ProblemType::kMalformedRequest, "there is no output " + name.substr(0, 60),
+                    "outputs", "see /api/v1/processes for the outputs, or leave outputs out");
+    if (!wish.is_object() || wish.value("transmissionMode", Json("reference")) != "reference")
+      return refuse(problem, ProblemType::kMalformedRequest, "outputs come as references only",
+                    "outputs." + name.substr(0, 60), "leave outputs out, or give transmissionMode reference");
+  }
+  return true;
+}
+
 }  // namespace
 
 Json to_json(const Link& link) {
@@ -181,6 +199,7 @@ bool read_execute_request(const Json& value, ExecuteRequest& request, Problem& p
     return malformed(problem, "there is no object `inputs`", "inputs");
   if (value.contains("tag") && !value["tag"].is_string())
     return malformed(problem, "tag is not a text", "tag");
+  if (!read_wishes(value, problem)) return false;
   request.tag = value.value("tag", "");
   if (!read_mesh_input(value["inputs"], request, problem)) return false;
   request.parameters = value["inputs"];

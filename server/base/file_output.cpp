@@ -49,6 +49,8 @@ void sync_file(const fs::path& path) {
 
 }  // namespace
 
+void keep_files_private() { ::umask(S_IRWXG | S_IRWXO); }
+
 void make_folder_synced(const fs::path& folder) {
   fs::path whole = fs::absolute(folder).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();

@@ -8,6 +8,10 @@
 
 namespace sheetform::server {
 
+/// Files and folders that this process makes from now on are its user's alone: meshes and results are nobody
+/// else's business on a machine that many share.
+void keep_files_private();
+
 /// A file to be written, or a finished one in memory.
 struct OutputFile {
   std::string name, media_type;

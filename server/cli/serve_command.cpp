@@ -105,16 +105,31 @@ std::string secret_of(const ParsedLine& line, const std::filesystem::path& data)
   return secret;
 }
 
-AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& addresses, bool any_token) {
+AuthOptions auth_of(const ParsedLine& line, const std::vector<ListenAddress>& addresses,
+                    const std::string& public_url, bool any_token) {
   AuthOptions auth;
   const bool local = all_loopback(addresses), open = line.has("--insecure-no-auth");
   if (!local && !any_token && !open)
     wrong("an address that others can reach needs a token", "--listen",
           "make one with `sheetform token add NAME --data DIR`, or allow everyone with --insecure-no-auth");
   auth.needed = !open && (any_token || line.has("--require-token"));
-  // Without a name for the outside, any Host is taken there: a token protects, and names cannot be guessed.
-  if (local || line.has("--public-url")) auth.hosts = hosts_of(addresses, line.get("--public-url"));
+  // A token protects whatever the name is. Where none is asked for, a page of others could have its own name
+  // point here (DNS rebinding), so names must be told; addresses need not.
+  const bool named = !public_url.empty();
+  if (local || named || !auth.needed) auth.hosts = hosts_of(addresses, public_url);
+  auth.any_address = !local && !named;
+  if (!auth.needed && named)
+    log_warning("everyone who can reach the server may do everything", {{"url", public_url}});
   return auth;
+}
+
+std::string public_url_of(const ParsedLine& line) {
+  const char* told = std::getenv("SHEETFORM_PUBLIC_URL");
+  std::string url = line.get("--public-url", told != nullptr ? told : "");
+  while (!url.empty() && url.back() == '/') url.pop_back();
+  if (!url.empty() && url.rfind("http://", 0) != 0 && url.rfind("https://", 0) != 0)
+    wrong("\"" + url + "\" is no URL", "--public-url", "give it whole, as in https://sheets.example.org");
+  return url;
 }
 
 std::string profiles_of(const ParsedLine& line) {
@@ -130,9 +145,9 @@ ApiOptions api_options(const ParsedLine& line, const std::vector<ListenAddress>&
   ApiOptions o;
   o.token_file = data / "tokens.json";
   o.secret = secret_of(line, data);
-  o.auth = auth_of(line, addresses, !o.secret.empty() || !TokenFile(o.token_file).list().empty());
-  o.public_url = line.get("--public-url");
-  while (!o.public_url.empty() && o.public_url.back() == '/') o.public_url.pop_back();
+  o.public_url = public_url_of(line);
+  o.auth =
+      auth_of(line, addresses, o.public_url, !o.secret.empty() || !TokenFile(o.token_file).list().empty());
   o.web_folder = line.get("--web-dir");
   o.log_requests = !line.has("--quiet");
   return o;
@@ -253,7 +268,9 @@ CommandSpec serve_spec() {
        "that others can reach need a token (see `sheetform token --help`).",
        ""},
       {"--data", "DIR", "Folder of the store; made when it is not there. Default ./sheetform-data.", ""},
-      {"--public-url", "URL", "How the server is reached from outside, e.g. https://sheets.example.org.", ""},
+      {"--public-url", "URL",
+       "How the server is reached from outside, e.g. https://sheets.example.org (also SHEETFORM_PUBLIC_URL).",
+       ""},
       {"--web-dir", "DIR", "Serve the page from this folder instead of the one that is built in.", ""},
       {"--profiles", "FILE", "Profiles of your machines for exports (colours, layers, widths), as JSON.", ""},
       {"--slots", "N", "Jobs that run at once. Default: one less than there are cores.", ""},
@@ -288,6 +305,7 @@ CommandSpec serve_spec() {
 
 int serve_command(const ParsedLine& line) {
   open_the_log(line);
+  keep_files_private();
   const std::vector<ListenAddress> addresses = addresses_of(line);
   const sigset_t signals = stop_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);

@@ -1,6 +1,7 @@
 // `sheetform backup`, `restore`, `token`: the care of a data folder.
 #include <cstdio>
 
+#include "server/base/file_output.h"
 #include "server/cli/commands.h"
 #include "server/http/token_file.h"
 #include "server/mapping/errors.h"
@@ -71,6 +72,7 @@ CommandSpec backup_spec() {
 }
 
 int backup_command(const ParsedLine& line) {
+  keep_files_private();
   return named_failures([&] {
     const std::filesystem::path target = line.operands[0];
     if (!line.has("--verify")) print_summary("copied", make_backup(data_of(line), target));
@@ -90,6 +92,7 @@ CommandSpec restore_spec() {
 }
 
 int restore_command(const ParsedLine& line) {
+  keep_files_private();
   return named_failures([&] {
     print_summary("restored", restore_backup(line.operands[0], data_of(line)));
     return kExitOk;

@@ -6,6 +6,7 @@
 #include "server/base/identity.h"
 #include "server/base/log.h"
 #include "server/mapping/errors.h"
+#include "sheetform_api/api_description.h"
 
 namespace sheetform::server {
 namespace {
@@ -96,6 +97,7 @@ ApiServer::ApiServer(JobService& service, ApiOptions options)
   add_result_routes(router_, parts_);
   add_export_routes(router_, parts_);
   add_event_routes(router_, parts_);
+  router_.describe(api::Json::parse(api::api_description()));
 }
 
 bool ApiServer::alive() const { return SteadyClock::now() - guard_.last_turn() < kStalledLoop; }
@@ -148,6 +150,8 @@ Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) 
   if (!parse_query(request.head.query, exchange.query))
     throw Refusal(ProblemType::kInvalidQueryParameter, "the query is malformed",
                   "escape special characters as %XX");
+  // Who watches over a server may ask for its health with anything that keeps caches away.
+  if (!match.route->scope.empty()) check_query(match.route->query, exchange.query);
   return match.route->handler(exchange);
 }
 

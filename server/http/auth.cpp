@@ -1,5 +1,7 @@
 #include "server/http/auth.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -24,6 +26,11 @@ std::string cookie_value(const std::string& field) {
   return {};
 }
 
+bool is_address(const std::string& host) {
+  in6_addr room{};
+  return ::inet_pton(AF_INET, host.c_str(), &room) == 1 || ::inet_pton(AF_INET6, host.c_str(), &room) == 1;
+}
+
 }  // namespace
 
 std::string token_of(const RequestHead& head) {
@@ -40,7 +47,8 @@ std::string host_name(const std::string& host_field) {
 }
 
 bool host_allowed(const AuthOptions& options, const RequestHead& head) {
-  return options.hosts.empty() || options.hosts.count(host_name(head.field("host"))) != 0;
+  const std::string host = host_name(head.field("host"));
+  return options.hosts.empty() || options.hosts.count(host) != 0 || (options.any_address && is_address(host));
 }
 
 bool origin_allowed(const AuthOptions& options, const RequestHead& head) {

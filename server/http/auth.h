@@ -18,6 +18,7 @@ inline constexpr const char* kSessionCookie = "sheetform_session";
 struct AuthOptions {
   bool needed = false;            ///< requests without a token are refused
   std::set<std::string> hosts;    ///< names that Host may have, lower case, without port; empty: any
+  bool any_address = false;       ///< Host may also be any IP address: nobody can make one point elsewhere
   std::set<std::string> origins;  ///< allowed besides the server's own
 };
 

@@ -127,7 +127,8 @@ BodyReader::BodyReader(int fd, std::string buffered, const RequestHead& head, co
 void BodyReader::set_limit(std::uint64_t bytes) {
   limit_ = bytes;
   if (!chunked_ && left_ > limit_)
-    throw BodyError(api::ProblemType::kPayloadTooLarge, "the body has " + std::to_string(left_) + " bytes");
+    throw BodyError(api::ProblemType::kPayloadTooLarge,
+                    "the body has " + std::to_string(left_) + " bytes, more than " + std::to_string(limit_));
 }
 
 void BodyReader::check_speed() const {
@@ -138,8 +139,11 @@ void BodyReader::check_speed() const {
     throw BodyError(api::ProblemType::kRequestTimeout, "the body came too slowly");
 }
 
-std::string BodyReader::receive() {
-  if (!buffered_.empty()) return std::exchange(buffered_, {});
+std::string_view BodyReader::receive() {
+  if (!buffered_.empty()) {
+    room_ = std::exchange(buffered_, {});
+    return room_;
+  }
   if (continue_pending_) {
     continue_pending_ = false;
     send_all(fd_, "HTTP/1.1 100 Continue\r\n\r\n", patience_);
@@ -152,31 +156,31 @@ std::string BodyReader::receive() {
   if (got < 0 && (errno == EINTR || errno == EAGAIN)) return {};
   if (got <= 0)
     throw BodyError(api::ProblemType::kMalformedRequest, "the connection ended before the body did");
-  return room_.substr(0, static_cast<std::size_t>(got));
+  return std::string_view(room_).substr(0, static_cast<std::size_t>(got));
 }
 
-std::string BodyReader::take_plain(std::string raw) {
-  if (raw.size() > left_) raw.resize(static_cast<std::size_t>(left_));  // a second request is not answered
+std::string_view BodyReader::take_plain(std::string_view raw) {
+  // A second request is not answered.
+  raw = raw.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(raw.size(), left_)));
   left_ -= raw.size();
   finished_ = left_ == 0;
   return raw;
 }
 
-std::string BodyReader::take_chunked(std::string raw) {
-  std::string body;
-  std::string_view input = raw;
-  if (!chunks_.decode(input, body))
+std::string_view BodyReader::take_chunked(std::string_view raw) {
+  decoded_.clear();
+  if (!chunks_.decode(raw, decoded_))
     throw BodyError(api::ProblemType::kMalformedRequest, "the chunked coding of the body is broken");
   finished_ = chunks_.done();
-  return body;
+  return decoded_;
 }
 
-std::string BodyReader::read() {
-  std::string piece;
+std::string_view BodyReader::read() {
+  std::string_view piece;
   while (piece.empty() && !finished_) {
-    std::string raw = receive();
+    const std::string_view raw = receive();
     if (raw.empty()) continue;
-    piece = chunked_ ? take_chunked(std::move(raw)) : take_plain(std::move(raw));
+    piece = chunked_ ? take_chunked(raw) : take_plain(raw);
     bytes_ += piece.size();
     if (bytes_ > limit_)
       throw BodyError(api::ProblemType::kPayloadTooLarge,
@@ -188,7 +192,7 @@ std::string BodyReader::read() {
 
 std::string BodyReader::read_all() {
   std::string body;
-  for (std::string piece; !(piece = read()).empty();) body += piece;
+  for (std::string_view piece; !(piece = read()).empty();) body += piece;
   return body;
 }
 

@@ -58,21 +58,21 @@ class BodyReader {
   void set_limit(std::uint64_t bytes);
   /// Every byte of the body is added to it, too; before reading.
   void hash_into(Sha256& hash) { hash_ = &hash; }
-  /// Next piece, empty at the end. Throws BodyError.
-  std::string read();
+  /// Next piece, empty at the end; valid until the next call. Throws BodyError.
+  std::string_view read();
   /// The whole body.
   std::string read_all();
   bool finished() const { return finished_; }
   std::uint64_t bytes() const { return bytes_; }
 
  private:
-  std::string receive();
+  std::string_view receive();
   void check_speed() const;
-  std::string take_plain(std::string raw);
-  std::string take_chunked(std::string raw);
+  std::string_view take_plain(std::string_view raw);
+  std::string_view take_chunked(std::string_view raw);
 
   int fd_;
-  std::string buffered_, room_;  // what came with the head; where the socket is read to
+  std::string buffered_, room_, decoded_;  // what came with the head; where the socket is read to; of chunks
   bool chunked_, continue_pending_, finished_ = false;
   std::uint64_t left_ = 0, limit_ = 0, bytes_ = 0;
   Sha256* hash_ = nullptr;

@@ -23,6 +23,7 @@ namespace {
 
 constexpr int kBacklog = 1024;
 constexpr int kTickMilliseconds = 500;
+constexpr char kTlsHandshake = '\x16';  // the first byte of a connection by https
 /// What a connection gets for which there is no thread; made once, for this must be quick.
 const std::string& shed_answer() {
   static const std::string whole = [] {
@@ -222,6 +223,8 @@ void ConnectionGate::read_from(int fd) {
   w.bytes.append(buffer, static_cast<std::size_t>(got));
   // Empty lines before a request are allowed, and skipped.
   while (w.bytes.rfind("\r\n", 0) == 0) w.bytes.erase(0, 2);
+  // A client that begins TLS would wait for its answer until its patience ends.
+  if (!w.bytes.empty() && w.bytes.front() == kTlsHandshake) return hand_over(fd, Arrival::Kind::kNotHttp, 0);
   const std::size_t end = find_head_end(w.bytes, std::min(before, w.bytes.size()));
   if (end != std::string::npos && end <= kHeadBytes)
     hand_over(fd, Arrival::Kind::kHead, end);

@@ -14,7 +14,7 @@ namespace sheetform::server {
 
 /// A connection whose first bytes have come.
 struct Arrival {
-  enum class Kind { kHead, kTooLarge, kTooSlow };
+  enum class Kind { kHead, kTooLarge, kTooSlow, kNotHttp };
   Kind kind = Kind::kHead;
   Descriptor socket;  ///< blocking again
   std::string peer;   ///< address of the other side

@@ -83,6 +83,11 @@ Answer send_download(const Exchange& x, const Download& d) {
   return answer;
 }
 
-bool wants_inline(const Exchange& x) { return x.parameter("inline").value_or("0") == "1"; }
+bool wants_inline(const Exchange& x) {
+  const std::string value = x.parameter("inline").value_or("0");
+  if (value != "0" && value != "1")
+    throw Refusal(api::ProblemType::kInvalidQueryParameter, "inline is malformed", "give 0 or 1", "inline");
+  return value == "1";
+}
 
 }  // namespace sheetform::server

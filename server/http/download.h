@@ -20,7 +20,7 @@ struct Download {
 /// The whole file, the range asked for, 304, 412 or 416. The tag is strong: the digest.
 Answer send_download(const Exchange& x, const Download& d);
 
-/// inline=1 in the query.
+/// inline=1 in the query. Throws Refusal when it is neither 0 nor 1.
 bool wants_inline(const Exchange& x);
 
 }  // namespace sheetform::server

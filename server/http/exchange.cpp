@@ -1,7 +1,5 @@
 #include "server/http/exchange.h"
 
-#include <algorithm>
-
 #include "server/jobs/job_service.h"
 
 namespace sheetform::server {
@@ -22,12 +20,6 @@ std::optional<std::string> Exchange::parameter(const std::string& name) const {
     value = v;
   }
   return value;
-}
-
-void Exchange::allow_parameters(const std::vector<std::string>& names) const {
-  for (const auto& [name, value] : query)
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      refuse_parameter(name, "there is no such parameter here", "leave it out; see /api/v1/api");
 }
 
 std::optional<std::int64_t> Exchange::visible() const {

@@ -22,8 +22,6 @@ struct Exchange {
 
   /// Value of a query parameter, none when it is absent. Given twice: Refusal kInvalidQueryParameter.
   std::optional<std::string> parameter(const std::string& name) const;
-  /// Refuses query parameters that are not in the list.
-  void allow_parameters(const std::vector<std::string>& names) const;
   /// The jobs that this principal may see: none = all, else those of this id.
   std::optional<std::int64_t> visible() const;
 };

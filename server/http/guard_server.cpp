@@ -190,6 +190,9 @@ std::optional<HeadError> read_head(const Arrival& arrival, RequestHead& head) {
       return HeadError{api::ProblemType::kHeadersTooLarge, "the head is too large"};
     case Arrival::Kind::kTooSlow:
       return HeadError{api::ProblemType::kRequestTimeout, "the head did not come"};
+    case Arrival::Kind::kNotHttp:
+      return HeadError{api::ProblemType::kMalformedRequest,
+                       "this is no HTTP; the server itself speaks no TLS, so ask for http://"};
     case Arrival::Kind::kHead:
       break;
   }

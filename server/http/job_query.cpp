@@ -11,6 +11,7 @@ namespace sheetform::server {
 namespace {
 
 constexpr int kDefaultLimit = 10, kLargestLimit = 10'000;
+constexpr double kLongest = 1e9;  // seconds
 
 [[noreturn]] void refuse(const char* name, const std::string& fix) {
   throw Refusal(api::ProblemType::kInvalidQueryParameter, std::string(name) + " is malformed", fix, name);
@@ -21,7 +22,7 @@ Number number_of(const char* name, const std::string& text, Number low, Number h
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
-    refuse(name, "give a number from " + std::to_string(low) + " to " + std::to_string(high));
+    refuse(name, "give a number from " + api::number_text(low) + " to " + api::number_text(high));
   return value;
 }
 
@@ -93,10 +94,7 @@ std::string page_query(const Exchange& x, char direction, const JobRecord& from)
 }  // namespace
 
 JobFilter job_filter(const Exchange& x) {
-  x.allow_parameters({"limit", "cursor", "status", "processID", "type", "datetime", "minDuration",
-                      "maxDuration", "tag", "f"});
   JobFilter filter;
-  constexpr double kLongest = 1e9;
   filter.principal = x.visible();
   filter.limit =
       number_of("limit", x.parameter("limit").value_or(std::to_string(kDefaultLimit)), 1, kLargestLimit);

@@ -30,6 +30,13 @@ bool fits(std::string_view pattern, std::string_view path, std::vector<std::stri
 
 }  // namespace
 
+void Router::describe(const api::Json& description) {
+  for (Route& route : routes_) {
+    const bool described = description.at("paths").contains(route.path);
+    route.query = query_rules(description, route.method, described ? route.path : route.path + "/");
+  }
+}
+
 RouteMatch Router::match(const std::string& method, const std::string& path) const {
   RouteMatch match;
   for (const Route& route : routes_) {

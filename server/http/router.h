@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/http/exchange.h"
+#include "server/http/query_rules.h"
 
 namespace sheetform::server {
 
@@ -15,6 +16,7 @@ struct Route {
   std::string path;    ///< with {name} for one segment
   std::string scope;   ///< what a principal needs; empty: nothing, not even a token
   Handler handler;
+  QueryRules query = {};
 };
 
 struct RouteMatch {
@@ -27,6 +29,8 @@ class Router {
  public:
   void add(Route route) { routes_.push_back(std::move(route)); }
   RouteMatch match(const std::string& method, const std::string& path) const;
+  /// Fills in what the query of each route may hold. Throws when one is not described.
+  void describe(const api::Json& description);
   const std::vector<Route>& routes() const { return routes_; }
 
  private:

@@ -25,7 +25,6 @@ JobRecord exported_job(const Exchange& x, const ApiParts& parts) {
 }
 
 Answer list_exports(Exchange& x, const ApiParts& parts) {
-  x.allow_parameters({"f"});
   const JobRecord job = exported_job(x, parts);
   api::Json document = exports_document(address_of(job), parts.service.profiles());
   const std::string up = std::string(kApiRoot) + "/jobs/" + job.id;

@@ -41,7 +41,6 @@ Answer list_jobs(Exchange& x, const ApiParts& parts) {
 std::string revision_tag(const JobRecord& job) { return "W/\"" + std::to_string(job.revision) + "\""; }
 
 Answer get_job(Exchange& x, ApiParts& parts) {
-  x.allow_parameters({"f"});
   JobRecord job = job_of(x, parts);
   const std::optional<int> wish = preferred_wait(x.head.field("prefer"));
   std::string applied;

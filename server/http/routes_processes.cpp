@@ -19,10 +19,11 @@ void require_process(const Exchange& x) {
 }
 
 Answer list_processes(Exchange& x) {
-  x.allow_parameters({"limit", "f"});
   const std::string root = kApiRoot;
+  const std::size_t limit = std::stoul(x.parameter("limit").value_or("10"));
   api::Json list = api::Json::array();
-  for (const char* id : api::kProcesses) list.push_back(api::process_summary(id, root, kVersion));
+  for (const char* id : api::kProcesses)
+    if (list.size() < limit) list.push_back(api::process_summary(id, root, kVersion));
   return json_answer(
       200, api::Json{{"processes", std::move(list)},
                      {"links", api::to_json(std::vector<api::Link>{
@@ -31,7 +32,6 @@ Answer list_processes(Exchange& x) {
 
 Answer describe_process(Exchange& x) {
   require_process(x);
-  x.allow_parameters({"f"});
   return json_answer(200, api::process_description(x.captures[0], kApiRoot, kVersion));
 }
 

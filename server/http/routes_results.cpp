@@ -16,6 +16,13 @@ namespace {
 
 using api::ProblemType;
 
+[[noreturn]] void refuse_name(const std::string& name, const std::vector<StoredOutput>& outputs) {
+  std::string names;
+  for (const StoredOutput& o : outputs) names += (names.empty() ? "" : ", ") + o.name;
+  throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + name.substr(0, 60),
+                "there are " + names);
+}
+
 /// The outputs that `outputs=a,b` names, all without it.
 std::vector<StoredOutput> wanted_outputs(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
   std::vector<StoredOutput> all = parts.service.store().outputs(job.seq);
@@ -27,9 +34,7 @@ std::vector<StoredOutput> wanted_outputs(const Exchange& x, const ApiParts& part
     const std::string name = names->substr(at, end - at);
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const StoredOutput& o) { return o.name == name; });
-    if (found == all.end())
-      throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + name.substr(0, 60),
-                    "leave outputs out");
+    if (found == all.end()) refuse_name(name, all);
     some.push_back(*found);
     at = end + 1;
   }
@@ -57,6 +62,11 @@ std::uint32_t crc_of(const StoredOutput& o,
   return crc;
 }
 
+/// Where the digest names the content, and is not that of the bytes that are sent.
+void forget_digest(Answer& answer) {
+  std::erase_if(answer.headers, [](const auto& h) { return h.first == "Repr-Digest"; });
+}
+
 Answer send_zip(const Exchange& x, const ApiParts& parts, const JobRecord& job) {
   std::vector<ZipMember> members;
   Sha256 digest;
@@ -75,20 +85,16 @@ Answer send_zip(const Exchange& x, const ApiParts& parts, const JobRecord& job) 
              [archive](std::uint64_t offset, std::uint64_t most) { return archive->read(offset, most); },
              false};
   Answer answer = send_download(x, d);
-  // The digest names the content, it is not that of the archive's bytes.
-  std::erase_if(answer.headers, [](const auto& h) { return h.first == "Repr-Digest"; });
+  forget_digest(answer);
   return answer;
 }
 
 bool wants_zip(const Exchange& x) {
   const std::optional<std::string> f = x.parameter("f");
-  if (f && *f != "zip" && *f != "json")
-    throw Refusal(ProblemType::kInvalidQueryParameter, "f is neither json nor zip", "give one of them", "f");
   return f ? *f == "zip" : x.head.field("accept").find("application/zip") != std::string::npos;
 }
 
 Answer list_results(Exchange& x, const ApiParts& parts) {
-  x.allow_parameters({"f", "outputs"});
   const JobRecord job = successful_job(x, parts);
   if (wants_zip(x)) return send_zip(x, parts, job);
   std::vector<api::ResultFile> files;
@@ -100,16 +106,15 @@ Answer list_results(Exchange& x, const ApiParts& parts) {
 }
 
 Answer get_result(Exchange& x, const ApiParts& parts) {
-  x.allow_parameters({"inline"});
   const JobRecord job = successful_job(x, parts);
-  for (const StoredOutput& o : parts.service.store().outputs(job.seq)) {
+  const std::vector<StoredOutput> outputs = parts.service.store().outputs(job.seq);
+  for (const StoredOutput& o : outputs) {
     if (o.name != x.captures.at(1)) continue;
     const bool shown = wants_inline(x);
     return send_download(x, {o.name, o.media_type, o.digest, static_cast<std::uint64_t>(o.bytes),
                              job.finished.value_or(0) / kSecond, blob_reader(parts, o), shown});
   }
-  throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + x.captures[1].substr(0, 60),
-                "see .../results for the names");
+  refuse_name(x.captures[1], outputs);
 }
 
 std::string read_at(int fd, std::uint64_t offset, std::uint64_t most) {
@@ -139,17 +144,19 @@ StoredInput stored_input(const ApiParts& parts, const JobRecord& job) {
 Answer get_input(Exchange& x, const ApiParts& parts) {
   const JobRecord job = parts.service.job(x.captures.at(0), x.visible());
   const StoredInput input = stored_input(parts, job);
-  return send_download(x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream",
-                           job.input, input.mesh_bytes, job.created / kSecond,
-                           [file = input.file](std::uint64_t offset, std::uint64_t most) {
-                             return read_at(file->get(), offset, most);
-                           },
-                           false});
+  Answer answer =
+      send_download(x, {job.input_name.empty() ? "mesh" : job.input_name, "application/octet-stream",
+                        job.input, input.mesh_bytes, job.created / kSecond,
+                        [file = input.file](std::uint64_t offset, std::uint64_t most) {
+                          return read_at(file->get(), offset, most);
+                        },
+                        false});
+  if (input.mesh_bytes != input.bytes) forget_digest(answer);  // it is that of all that came
+  return answer;
 }
 
 /// The strokes that came with the mesh, byte for byte.
 Answer get_guides(Exchange& x, const ApiParts& parts) {
-  x.allow_parameters({});
   const StoredInput input = stored_input(parts, parts.service.job(x.captures.at(0), x.visible()));
   std::string rest;
   while (input.mesh_bytes + rest.size() < input.bytes) {

@@ -1,6 +1,7 @@
 // Landing page, conformance, description, limits, health, version, figures, session.
 #include "server/base/version.h"
 #include "server/http/api_parts.h"
+#include "server/mapping/run.h"
 #include "sheetform_api/api_description.h"
 
 namespace sheetform::server {
@@ -8,8 +9,7 @@ namespace {
 
 constexpr std::size_t kSessionBytes = 4096;
 
-Answer landing_page(Exchange& x) {
-  x.allow_parameters({"f"});
+Answer landing_page(Exchange&) {
   const std::string root = kApiRoot;
   constexpr const char* kJson = "application/json";
   return json_answer(
@@ -30,23 +30,24 @@ Answer landing_page(Exchange& x) {
                               {root + "/limits", "limits", kJson, "Limits in force"}})}});
 }
 
-Answer conformance(Exchange& x) {
-  x.allow_parameters({"f"});
+Answer conformance(Exchange&) {
   api::Json classes = api::Json::array({"http://www.opengis.net/spec/ogcapi-common-1/1.0/conf/core"});
   for (const char* name : {"core", "ogc-process-description", "json", "oas30", "job-list", "dismiss"})
     classes.push_back(std::string("http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/") + name);
   return json_answer(200, api::Json{{"conformsTo", classes}});
 }
 
-Answer description(Exchange& x) {
-  x.allow_parameters({"f"});
+Answer description(Exchange&) {
   return text_answer(200, "application/vnd.oai.openapi+json;version=3.0", api::api_description());
 }
 
 Answer limits(const ApiParts& parts) {
   const ServiceLimits& l = parts.service.limits();
+  const MeshLimits mesh = mesh_limits();
   return json_answer(200, api::Json{{"uploadBytes", l.upload_bytes},
                                     {"jsonBytes", l.json_bytes},
+                                    {"meshVertices", mesh.vertices},
+                                    {"meshFaces", mesh.faces},
                                     {"queuedJobs", l.queued_jobs},
                                     {"runningJobs", l.slots},
                                     {"jobSeconds", l.job_seconds},
@@ -92,7 +93,11 @@ Answer ready(const ApiParts& parts) {
 
 std::string metrics_text(const ApiParts& parts) {
   std::string text = "# HELP sheetform_jobs Jobs by state\n# TYPE sheetform_jobs gauge\n";
-  for (const auto& [state, count] : parts.service.store().counts())
+  std::map<std::string, std::int64_t> counts = parts.service.store().counts();
+  for (const JobState s : {JobState::kAccepted, JobState::kRunning, JobState::kSuccessful, JobState::kFailed,
+                           JobState::kDismissed})
+    counts.emplace(api::to_string(s), 0);  // a line that comes and goes is no series
+  for (const auto& [state, count] : counts)
     text += "sheetform_jobs{state=\"" + state + "\"} " + std::to_string(count) + "\n";
   const std::optional<Microseconds> oldest = parts.service.store().oldest_waiting();
   const double age = oldest ? static_cast<double>(now_us() - *oldest) / static_cast<double>(kSecond) : 0.0;

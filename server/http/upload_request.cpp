@@ -123,7 +123,7 @@ class Details {
 std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
   exchange.body.set_limit(service.limits().upload_bytes);
   std::unique_ptr<Upload> upload = service.begin_upload();
-  for (std::string piece; !(piece = exchange.body.read()).empty();) upload->add(piece);
+  for (std::string_view piece; !(piece = exchange.body.read()).empty();) upload->add(piece);
   return upload;
 }
 
@@ -202,17 +202,29 @@ std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Detai
   MultipartReader reader(boundary, {[&](const PartHead& part) { form.begin(part); },
                                     [&](std::string_view bytes) { form.data(bytes); }, [&] { form.end(); }});
   exchange.body.set_limit(service.limits().upload_bytes + kFieldBytes);
-  for (std::string piece; !(piece = exchange.body.read()).empty();)
+  for (std::string_view piece; !(piece = exchange.body.read()).empty();)
     if (!reader.add(piece)) refuse_body(reader.error());
   if (!reader.complete()) refuse_body(reader.error());
   return form.take();
 }
 
+/// JSON is held in memory, and may be smaller than a mesh that comes as it is.
+std::string json_text(Exchange& exchange, const ServiceLimits& limits) {
+  try {
+    exchange.body.set_limit(limits.json_bytes);
+    return exchange.body.read_all();
+  } catch (const BodyError& e) {
+    if (e.type() != ProblemType::kPayloadTooLarge) throw;
+    throw Refusal(e.type(), e.what(),
+                  "send the mesh as it is, or in a form: then it may have " +
+                      std::to_string(limits.upload_bytes) + " bytes");
+  }
+}
+
 std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Details& details) {
-  exchange.body.set_limit(service.limits().json_bytes);
   api::Json value;
   std::string why;
-  if (!api::parse_json(exchange.body.read_all(), value, why)) refuse_body("the body " + why);
+  if (!api::parse_json(json_text(exchange, service.limits()), value, why)) refuse_body("the body " + why);
   api::ExecuteRequest request;
   api::Problem problem;
   if (!api::read_execute_request(value, request, problem)) throw Refusal(problem);

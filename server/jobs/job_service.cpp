@@ -28,6 +28,19 @@ api::Problem make_problem(ProblemType type, std::string detail, std::string fix,
   return p;
 }
 
+constexpr auto kLockPatience = std::chrono::seconds(3);
+
+/// False when somebody else has it for longer. A server that was killed while it began a job leaves a child
+/// that has the lock, too, until it has become the job's program: on a busy machine that takes a moment.
+bool wait_for_lock(int fd) {
+  const auto until = SteadyClock::now() + kLockPatience;
+  while (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    if (SteadyClock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
 /// One server a data folder: the lock is held until the process ends, however it ends.
 Descriptor lock_folder(const fs::path& data) {
   try {
@@ -38,7 +51,7 @@ Descriptor lock_folder(const fs::path& data) {
   Descriptor lock(::open((data / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock.valid())
     throw std::system_error(errno, std::generic_category(), "the data folder " + data.string());
-  if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
+  if (!wait_for_lock(lock.get()))
     throw Refusal(ProblemType::kConflict, "another sheetform server uses the data folder " + data.string(),
                   "stop it, or choose another folder with --data");
   return lock;

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "server/base/log.h"
+#include "server/jobs/sandbox.h"
 #include "server/jobs/worker_command.h"
 #include "server/jobs/worker_protocol.h"
 #include "server/mapping/errors.h"
@@ -130,6 +131,7 @@ int nursery_command() {
     throw Error(ErrorCode::kInvalidParameter, "`nursery` is started by the server only", "command line",
                 "use `sheetform decompose`");
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  leave_network();  // once, and not by every copy
   for (Given given; receive_descriptors(line, given);) {
     const pid_t pid = copy_for_parent();
     if (pid == 0) {

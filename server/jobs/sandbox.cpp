@@ -199,7 +199,7 @@ bool can_write_below(int folder) {
 
 SandboxLimits limits_of(const WorkerRequest& request) {
   return {request.memory, request.file_bytes, request.cpu_seconds, request.parent,
-          request.mode != WorkerMode::kDecompose};
+          request.mode != WorkerMode::kDecompose && request.mode != WorkerMode::kSweep};
 }
 
 void lower_process(const SandboxLimits& limits) {
@@ -219,9 +219,15 @@ void lower_process(const SandboxLimits& limits) {
   offer_to_oom_killer();
 }
 
+bool leave_network() {
+  static bool left = false;  // also in the copies of a process that has left it
+  left = left || ::unshare(CLONE_NEWNET) == 0;
+  return left;
+}
+
 SandboxState close_in(int folder) {
   SandboxState state;
-  state.network = ::unshare(CLONE_NEWNET) == 0;  // only with privileges; the filter below needs none
+  state.network = leave_network();  // only with privileges; the filter below needs none
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   state.landlock = close_files(folder);
   state.seccomp = close_calls();

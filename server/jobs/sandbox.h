@@ -26,6 +26,10 @@ struct SandboxState {
   bool landlock = false, seccomp = false, network = false;  ///< network: cut off by a namespace of its own
 };
 
+/// Cuts this process and those that it will start off the network; false without the privilege for it. Takes
+/// milliseconds the first time, and the processes of a machine wait for each other; nothing after that.
+bool leave_network();
+
 /// Closes the process in: no files but those below `folder` (a descriptor) and what is open already, no
 /// sockets, no programs, no processes, no signals to others. Says what this kernel could do.
 SandboxState close_in(int folder);

@@ -19,7 +19,9 @@ namespace sheetform::server {
 namespace {
 
 MeshFile read_nonempty_mesh(std::string_view bytes, const std::string& name) {
-  MeshFile file = read_mesh(bytes, name);
+  ReadLimits limits;
+  limits.bytes = bytes.size();  // whoever took the bytes has decided that they may be so many
+  MeshFile file = read_mesh(bytes, name, limits);
   if (file.soup.faces.empty())
     throw Error(ErrorCode::kUnsupportedMesh, "the mesh has no faces", {},
                 "export the surface as triangles or polygons");
@@ -154,6 +156,11 @@ std::string out_of_time(std::size_t done, std::size_t all) {
 }
 
 }  // namespace
+
+MeshLimits mesh_limits() {
+  const ReadLimits limits;
+  return {limits.vertices, limits.faces};
+}
 
 api::MeshInfo inspect_mesh(std::string_view bytes, const std::string& name, const api::Json& parameters) {
   const InputBundle input = split_bundle(bytes);

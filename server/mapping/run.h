@@ -1,6 +1,7 @@
 // One decomposition from bytes to files, and a look at a mesh without decomposing it. The only place where
 // the facade of core meets the messages; the command line and the job's child process both go through it.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,12 @@ struct Outcome {
   api::Json report;                ///< object: patches, hausdorff, e_max_met, ...
   std::vector<std::string> notes;  ///< for people
 };
+
+/// What a mesh may hold at most; of its bytes, whoever takes them decides.
+struct MeshLimits {
+  std::uint64_t vertices, faces;  ///< triangles, after polygons were split
+};
+MeshLimits mesh_limits();
 
 /// Both take an input as it is stored (server/base/input_bundle.h): a mesh, and the field and strokes given
 /// with it.

@@ -88,7 +88,7 @@ bool copy_result(SQLite::Database& db, std::int64_t seq, const std::string& sour
 }  // namespace
 
 JobRecord JobStore::accept(const NewJob& job) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     insert_all(db, job);
     return *find_job(db, job.id);
   });
@@ -98,7 +98,7 @@ std::optional<JobRecord> JobStore::accept_reused(const NewJob& job, const std::s
                                                  const ResultPart& part) {
   struct SourceGone {};
   try {
-    return state_->file.write([&](SQLite::Database& db) -> std::optional<JobRecord> {
+    return state_->file.write_together([&](SQLite::Database& db) -> std::optional<JobRecord> {
       const std::int64_t seq = insert_all(db, job);
       if (!copy_result(db, seq, source, part, job.created)) throw SourceGone();
       write_event(db, seq, job.created);

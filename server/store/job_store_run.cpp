@@ -82,7 +82,7 @@ void insert_output(SQLite::Database& db, std::int64_t seq, int position, const S
 }  // namespace
 
 std::optional<ClaimedJob> JobStore::claim(Microseconds now) {
-  return state_->file.write([&](SQLite::Database& db) -> std::optional<ClaimedJob> {
+  return state_->file.write_together([&](SQLite::Database& db) -> std::optional<ClaimedJob> {
     const std::string token = random_bytes(16);
     std::string id;
     {
@@ -103,7 +103,7 @@ std::optional<ClaimedJob> JobStore::claim(Microseconds now) {
 
 bool JobStore::report_progress(const ClaimedJob& claimed, int percent, const std::string& stage,
                                const std::string& message) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     SQLite::Statement update(db, std::string("UPDATE job SET progress = ?, stage = ?, message = ?") + kOwned);
     update.bind(1, percent);
     update.bind(2, stage);
@@ -114,7 +114,7 @@ bool JobStore::report_progress(const ClaimedJob& claimed, int percent, const std
 
 bool JobStore::succeed(const ClaimedJob& claimed, const std::vector<StoredOutput>& outputs,
                        const std::string& report, const std::string& message) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     SQLite::Statement update(
         db, std::string("UPDATE job SET state = 'successful', progress = 100, stage = 'write', "
                         "message = ?, report = ?, finished = ?, token = NULL, problem = NULL") +
@@ -131,7 +131,7 @@ bool JobStore::succeed(const ClaimedJob& claimed, const std::vector<StoredOutput
 
 bool JobStore::fail(const ClaimedJob& claimed, const std::string& problem, const std::string& message,
                     Requeue counted_as) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     const std::string counter = counter_of(counted_as);
     SQLite::Statement update(db,
                              "UPDATE job SET state = 'failed', problem = ?, message = ?, finished = ?, "
@@ -146,7 +146,7 @@ bool JobStore::fail(const ClaimedJob& claimed, const std::string& problem, const
 
 bool JobStore::requeue(const ClaimedJob& claimed, Requeue reason, Microseconds run_after,
                        const std::string& message) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     const std::string counter = counter_of(reason);
     SQLite::Statement update(db,
                              "UPDATE job SET state = 'accepted', run_after = ?, message = ?, progress = 0, "
@@ -159,7 +159,7 @@ bool JobStore::requeue(const ClaimedJob& claimed, Requeue reason, Microseconds r
 }
 
 void JobStore::end_attempt(const ClaimedJob& claimed, const AttemptEnd& end) {
-  state_->file.write([&](SQLite::Database& db) {
+  state_->file.write_together([&](SQLite::Database& db) {
     SQLite::Statement update(db,
                              "UPDATE attempt SET ended = ?, outcome = ?, signal = ?, exit_status = ?, "
                              "peak_rss = ?, cpu_ms = ?, log = ? WHERE job = ? AND n = ?");

@@ -4,7 +4,7 @@
 namespace sheetform::server {
 
 DismissOutcome JobStore::dismiss(const std::string& id, Microseconds expires) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     const std::optional<JobRecord> job = find_job(db, id);
     if (!job) return DismissOutcome::kNoSuchJob;
     if (api::is_terminal(job->state)) {
@@ -26,7 +26,7 @@ DismissOutcome JobStore::dismiss(const std::string& id, Microseconds expires) {
 }
 
 bool JobStore::retry(const std::string& id, Microseconds expires) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     const std::optional<JobRecord> job = find_job(db, id);
     if (!job) return false;
     SQLite::Statement update(
@@ -45,7 +45,7 @@ bool JobStore::retry(const std::string& id, Microseconds expires) {
 }
 
 std::int64_t JobStore::principal_id(const std::string& name) {
-  return state_->file.write([&](SQLite::Database& db) {
+  return state_->file.write_together([&](SQLite::Database& db) {
     SQLite::Statement insert(db, "INSERT INTO principal(name, created) VALUES(?, ?) ON CONFLICT DO NOTHING");
     insert.bind(1, name);
     insert.bind(2, now_us());

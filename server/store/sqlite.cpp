@@ -1,5 +1,6 @@
 #include "server/store/sqlite.h"
 
+#include <SQLiteCpp/Savepoint.h>
 #include <sqlite3.h>
 #include <unistd.h>
 
@@ -69,6 +70,70 @@ void DatabaseFile::run_outside_transaction(const std::string& statements) {
   } catch (const SQLite::Exception& e) {
     rethrow_as_store_error(e);
   }
+}
+
+void DatabaseFile::run_together(Change& mine) {
+  std::unique_lock lock(waiting_mutex_);
+  waiting_.push_back(&mine);
+  while (!mine.done) {
+    if (running_) {
+      done_.wait(lock);
+      continue;
+    }
+    running_ = true;
+    lock.unlock();
+    const std::vector<Change*> ran = run_waiting();
+    lock.lock();
+    for (Change* change : ran) change->done = true;
+    running_ = false;
+    done_.notify_all();
+  }
+  lock.unlock();
+  if (mine.fault) std::rethrow_exception(mine.fault);
+}
+
+std::vector<DatabaseFile::Change*> DatabaseFile::run_waiting() noexcept {
+  const std::lock_guard writing(writer_mutex_);
+  std::vector<Change*> changes;
+  {
+    const std::lock_guard lock(waiting_mutex_);  // not earlier: until the file was ours, more could join
+    changes.swap(waiting_);
+  }
+  if (changes.size() > 1 && run_in_one(changes)) return changes;
+  for (Change* change : changes) {
+    change->fault = nullptr;
+    try {
+      transact(change->run);
+    } catch (...) {
+      change->fault = std::current_exception();
+    }
+  }
+  return changes;
+}
+
+/// SQLite may have rolled back all of it when a statement fails; then each change is run for itself, so that
+/// whoever is at fault is told, and nobody else.
+bool DatabaseFile::run_in_one(const std::vector<Change*>& changes) {
+  try {
+    SQLite::Transaction transaction(*writer_, SQLite::TransactionBehavior::IMMEDIATE);
+    for (Change* change : changes) {
+      SQLite::Savepoint savepoint(*writer_, "one");  // rolls back when it was not released
+      try {
+        change->run(*writer_);
+        savepoint.release();
+      } catch (const SQLite::Exception&) {
+        throw;
+      } catch (...) {
+        change->fault = std::current_exception();
+      }
+    }
+    transaction.commit();
+  } catch (const SQLite::Exception& e) {
+    if (is_damage(e.getErrorCode(), e.getExtendedErrorCode())) end_after_storage_failure(e.what());
+    return false;
+  }
+  if (after_change_) after_change_(*writer_);
+  return true;
 }
 
 std::unique_ptr<SQLite::Database> DatabaseFile::take_reader() {

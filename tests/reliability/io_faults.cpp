@@ -1,9 +1,10 @@
-// Preloaded into a server (LD_PRELOAD): makes syncs fail, the disk full and the clock jump, without any
-// privilege. What to do is told by the environment; the jobs' processes do not inherit it.
+// Preloaded into a server (LD_PRELOAD): makes syncs fail or slow, the disk full and the clock jump, without
+// any privilege. What to do is told by the environment; the jobs' processes do not inherit it.
 //   FAULT_SYNC=N      the N-th fsync or fdatasync of the process fails with EIO; FAULT_FIRED=FILE is made
-//   then FAULT_FULL=FILE   while FILE exists, nothing can be written into files on the device of
-//   FAULT_FOLDER, and no space is free FAULT_CLOCK=FILE  eight bytes, a number of nanoseconds that is added
-//   to the wall clock
+//   then FAULT_SLOW=N      every sync takes N milliseconds more FAULT_FULL=FILE   while FILE exists, nothing
+//   can be written into files on the device of FAULT_FOLDER, and
+//                     no space is free
+//   FAULT_CLOCK=FILE  eight bytes, a number of nanoseconds that is added to the wall clock
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -26,8 +27,10 @@ Function* next(const char* name) {
 
 std::atomic<long> syncs{0};
 
-/// Whether this sync is the one that fails.
+/// Whether this sync is the one that fails, after the time that it takes.
 bool sync_fails() {
+  static const char* const slow = std::getenv("FAULT_SLOW");
+  if (slow != nullptr) ::usleep(static_cast<useconds_t>(std::atol(slow)) * 1000);
   static const char* const wanted = std::getenv("FAULT_SYNC");
   if (wanted == nullptr || ++syncs != std::atol(wanted)) return false;
   if (const char* mark = std::getenv("FAULT_FIRED")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600));

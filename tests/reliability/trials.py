@@ -126,9 +126,10 @@ def verify_results(server, job_id):
 
 
 class FaultyServer(Server):
-    """A server under io_faults.cpp. full(True) fills its disk, clock(s) puts its clock forward by s seconds."""
+    """A server under io_faults.cpp: its sync number `sync` fails, or each takes `slow` milliseconds more. full(True) fills its
+    disk, clock(s) puts its clock forward by s seconds."""
 
-    def __init__(self, *options, sync=None, **others):
+    def __init__(self, *options, sync=None, slow=None, **others):
         if not IO_FAULTS or "libasan" in os.environ.get("LD_PRELOAD", ""):
             raise Skip("IO_FAULTS does not name the library to preload")
         import tempfile
@@ -141,6 +142,8 @@ class FaultyServer(Server):
                "FAULT_FOLDER": data, "FAULT_CLOCK": self.clock_file}
         if sync:
             env["FAULT_SYNC"] = str(sync)
+        if slow:
+            env["FAULT_SLOW"] = str(slow)
         super().__init__(*options, env=env, **others)
         self.own_data = True
 

@@ -1,6 +1,8 @@
 """A real server process for the tests: started on a free port with a fresh data folder, spoken to by the standard
 library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
+import base64
 import fcntl
+import hashlib
 import http.client
 import itertools
 import json
@@ -278,6 +280,10 @@ class Contract:
         if answer.headers.get("Content-Type") == "application/problem+json" and method != "HEAD":
             for member in ("title", "detail", "fix", "requestId"):  # what, where, how to mend it, which one
                 assert answer.json().get(member), f"{method} {path} -> {answer.status}: no {member} in {answer.body[:300]}"
+        digest = answer.headers.get("Repr-Digest")
+        if method == "GET" and answer.status == 200 and digest:
+            own = base64.b64encode(hashlib.sha256(answer.body).digest()).decode()
+            assert digest == f"sha-256=:{own}:", f"{method} {path}: Repr-Digest is not that of the body"
         operation = self.operation(method, path)
         if operation is None:
             return
@@ -312,10 +318,22 @@ class Contract:
 
     TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
 
-    def validate(self, value, schema, where):
+    def members(self, schema):
+        """The names that an object may have, and whether it may have others."""
         schema = self.resolve(schema)
+        parts = [self.members(part) for part in schema.get("allOf", [])]
+        names = set(schema.get("properties", {})).union(*(known for known, _ in parts))
+        return names, "additionalProperties" in schema or not names or any(is_open for _, is_open in parts)
+
+    def validate(self, value, schema, where, whole=False):
+        """whole: the value is seen against all of allOf elsewhere."""
+        schema = self.resolve(schema)
+        if isinstance(value, dict) and not whole:
+            known, is_open = self.members(schema)
+            undescribed = [] if is_open else sorted(set(value) - known)
+            assert not undescribed, f"{where}: {undescribed} are not described"
         for part in schema.get("allOf", []):
-            self.validate(value, part, where)
+            self.validate(value, part, where, True)
         if "type" in schema:
             kind = self.TYPES[schema["type"]]
             good = isinstance(value, kind) and not (schema["type"] in ("integer", "number") and isinstance(value, bool))

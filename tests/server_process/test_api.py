@@ -7,7 +7,7 @@ import time
 import urllib.parse
 import zipfile
 
-from harness import EXECUTION, TRIANGLE, Server, ServerCase, arc, main, unique_mesh
+from harness import EXECUTION, TRIANGLE, Contract, Server, ServerCase, arc, main, unique_mesh
 
 
 def form(parts):
@@ -118,6 +118,8 @@ class Uploads(ServerCase):
                  (b'{"inputs":{}}', js, 400, "malformed-request"),
                  (b'{"inputs":{"mesh":"###"}}', js, 400, "malformed-request"),
                  (b'{"inputs":{"mesh":"","e_max":1,"e_max":2}}', js, 400, "malformed-request"),
+                 (b'{"inputs":{"mesh":"QQ=="},"outputs":{"nix":{}}}', js, 400, "malformed-request"),
+                 (b'{"inputs":{"mesh":"QQ=="},"response":"raw"}', js, 400, "malformed-request"),
                  (b"[" * 100000, js, 400, "malformed-request"),
                  (b'{"inputs":{"mesh":{"href":"http://169.254.169.254/"}}}', js, 422, "remote-input-disabled"),
                  (b"x", {"Content-Type": "image/png"}, 415, "unsupported-media-type"),
@@ -129,6 +131,14 @@ class Uploads(ServerCase):
         for content, headers, status, slug in cases:
             with self.subTest(content=content[:60], headers=headers):
                 self.assert_problem(self.server.request("POST", EXECUTION, content, headers), status, slug)
+
+    def test_too_much_json_may_come_as_it_is(self):
+        head = f"POST {EXECUTION} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 20000000\r\n\r\n"
+        answer = self.server.raw(head.encode())
+        self.assertIn(b" 413 ", answer.split(b"\r\n")[0])
+        problem = json.loads(answer.split(b"\r\n\r\n", 1)[1])
+        self.assertIn("20000000", problem["detail"])
+        self.assertIn("in a form", problem["fix"])
 
     def test_wrong_parameters(self):
         for query, where in [("e_max=7", "e_max"), ("e_max=abc", "e_max"), ("emax=0.1", "emax"), ("e_max=0.1&e_max=0.2", "e_max"),
@@ -415,15 +425,61 @@ class Description(ServerCase):
         listed = self.server.get("/api/v1/processes").json()["processes"]
         self.assertEqual([p["id"] for p in listed], ["decompose", "sweep"])
 
+    def places(self):
+        """Every described GET that needs a token where there are tokens: its address for a finished job, its parameters."""
+        job = self.server.wait(self.server.submit()["jobID"])
+        fill = {"jobID": job["jobID"], "processID": "decompose", "output": "big.bin", "format": "svg"}
+        contract = json.loads(self.server.get("/api/v1/api").body)
+        resolve = Contract(contract).resolve
+        for path, item in contract["paths"].items():
+            if "get" not in item or item["get"].get("security") == [{}]:
+                continue
+            parameters = [resolve(p) for p in item.get("parameters", []) + item["get"].get("parameters", [])]
+            yield path.format(**fill), [p for p in parameters if p["in"] == "query"]
+
+    def test_queries_hold_what_is_described_and_nothing_else(self):
+        def refused(address, where):
+            answer = self.server.get(address)
+            self.assert_problem(answer, 400, "invalid-query-parameter-value")
+            self.assertEqual(answer.json()["where"], where, address)
+        checked = 0
+        for path, parameters in self.places():
+            if path.endswith("/guides"):
+                continue  # there are none
+            refused(f"{path}?nix=1", "nix")
+            is_open = any(p["schema"]["type"] == "object" for p in parameters)
+            for p in parameters:
+                name, schema = p["name"], p["schema"]
+                good = schema.get("enum", [])
+                bad = ["nix"] if good else []
+                if schema["type"] == "integer":
+                    good = [str(schema["minimum"]), str(schema["maximum"])]
+                    bad = ["x", "", "1.5", str(schema["minimum"] - 1), str(schema["maximum"] + 1)]
+                for value in bad:
+                    refused(f"{path}?{name}={value}", name)
+                for value in [] if is_open else good:
+                    self.assertEqual(self.server.get(f"{path}?{name}={value}").status, 200, f"{path} {name}={value}")
+                    refused(f"{path}?{name}={value}&{name}={value}", name)
+                    checked += 1
+        self.assertGreater(checked, 15)
+        self.assertEqual(self.server.get("/healthz?at=12").status, 200)
+
+    def test_length_of_the_list_of_processes(self):
+        self.assertEqual([p["id"] for p in self.server.get("/api/v1/processes?limit=1").json()["processes"]], ["decompose"])
+
     def test_limits_and_health(self):
-        self.assertEqual(self.server.get("/api/v1/limits").json()["uploadBytes"], 256 << 20)
+        limits = self.server.get("/api/v1/limits").json()
+        self.assertEqual(limits["uploadBytes"], 256 << 20)
+        described = json.loads(self.server.get("/api/v1/api").body)["components"]["schemas"]["Limits"]["properties"]
+        self.assertEqual(set(limits), set(described))
         self.assertEqual(self.server.get("/healthz").json()["status"], "ok")
         self.assertEqual(self.server.get("/readyz").json()["status"], "ok")
 
     def test_metrics(self):
         self.server.wait(self.server.submit()["jobID"])
         text = self.server.get("/metrics").body.decode()
-        self.assertIn('sheetform_jobs{state="successful"}', text)
+        for state in ("accepted", "running", "successful", "failed", "dismissed"):
+            self.assertIn(f'sheetform_jobs{{state="{state}"}}', text)
         self.assertIn('sheetform_http_requests_total{route="/api/v1/processes/{processID}/execution",method="POST",code="201"}', text)
         for line in text.splitlines():
             self.assertRegex(line, r'^(# (HELP|TYPE) .+|[a-z_]+(\{([a-z]+="[^"]*",?)*\})? [0-9.e+-]+)$')

@@ -36,6 +36,8 @@ class Exports(ServerCase):
                   "frame": b"sheetform", "parts-json": b"{", "parts-csv": b"label", "zip": b"PK"}
         listed = self.server.get(self.base).json()["formats"]
         self.assertEqual({f["format"] for f in listed}, set(starts))
+        described = json.loads(self.server.get("/api/v1/api").body)["paths"]["/api/v1/jobs/{jobID}/exports/{format}"]["parameters"]
+        self.assertEqual(set(described[1]["schema"]["enum"]), set(starts))
         for entry in listed:
             answer = self.server.get(entry["href"])
             self.assertEqual(answer.status, 200, answer.body[:300])

@@ -320,6 +320,15 @@ class Slow(ServerCase):
             time.sleep(0.05)
         self.assertIsNone(problem(), "the server does not recover")
 
+    def test_who_speaks_tls_is_told_at_once(self):
+        begun = time.monotonic()
+        hello = b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(64))
+        s = self.open(hello)  # and keeps the connection open, as a browser does
+        received = s.recv(4096)
+        self.assertTrue(received.startswith(b"HTTP/1.1 400"), received)
+        self.assertIn(b"http://", received)
+        self.assertLess(time.monotonic() - begun, 5)
+
     def test_a_head_that_does_not_come_is_given_up(self):
         s = self.open(b"GET /healthz HTTP/1.1\r\nHost: loc")
         idle = self.open()

@@ -90,11 +90,11 @@ class Misbehaviour(ServerCase):
         pid, nice = self.only_childs_niceness()
         os.kill(pid, signal.SIGKILL)
         thread.join()
-        self.assertEqual(nice, 5)
+        self.assertEqual(nice, min(5, 19 - os.nice(0)))
         self.assertEqual(answers[0].status, 422)
         job = self.server.submit(name="work-3000.obj")["jobID"]
         self.server.wait(job, until=("running",))
-        self.assertEqual(self.only_childs_niceness()[1], 10)
+        self.assertEqual(self.only_childs_niceness()[1], min(10, 19 - os.nice(0)))  # 19 is as nice as one can be
         self.server.request("DELETE", f"/api/v1/jobs/{job}")
 
     def test_progress_comes_in_order(self):

@@ -105,11 +105,36 @@ class Addresses(unittest.TestCase):
             self.assertEqual(answer.returncode, 64)
             return answer.stderr.decode().splitlines()[-1]
 
+    def test_what_is_stored_is_nobody_elses_business(self):
+        before = os.umask(0)
+        try:
+            with Server(data=os.path.join(tempfile.mkdtemp(prefix="sheetform-test-"), "data")) as server:
+                server.own_data = True
+                server.wait(server.submit()["jobID"])
+                found = [os.path.join(folder, name) for folder, folders, files in os.walk(server.data) for name in folders + files]
+                self.assertGreater(len(found), 8)
+                self.assertEqual([path for path in [server.data, *found] if os.stat(path).st_mode & 0o077], [])
+        finally:
+            os.umask(before)
+
     def test_open_addresses_need_a_token(self):
         for address in ("0.0.0.0:0", "[::]:0"):
             self.assertIn("needs a token", self.refused("--listen", address))
         with Server("--listen", "0.0.0.0:0", "--insecure-no-auth") as server:
             self.assertEqual(server.get("/api/v1/jobs").status, 200)
+            # Nothing asks for a token, so no page of others may have its name point here.
+            for host, status in [("evil.example.org", 421), ("127.0.0.1.evil.org", 421), ("999.1.1.1", 421), ("192.168.7.5:8080", 200),
+                                 ("[fe80::1]:8080", 200), ("localhost:8080", 200)]:
+                answer = server.raw(f"GET /api/v1/jobs HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+                self.assertTrue(answer.startswith(f"HTTP/1.1 {status} ".encode()), (host, answer[:100]))
+
+    def test_a_public_name_is_told(self):
+        self.assertIn("is no URL", self.refused("--public-url", "sheets.example.org"))
+        with Server("--listen", "0.0.0.0:0", "--insecure-no-auth", env={"SHEETFORM_PUBLIC_URL": "https://sheets.example.org/"}) as server:
+            self.assertIn("may do everything", str(server.log_lines()))
+            for host, status in [("sheets.example.org", 200), ("evil.example.org", 421)]:
+                answer = server.raw(f"GET /api/v1/jobs HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+                self.assertTrue(answer.startswith(f"HTTP/1.1 {status} ".encode()), (host, answer[:100]))
 
     def test_secret_from_a_file(self):
         with tempfile.NamedTemporaryFile() as f:

@@ -71,13 +71,20 @@ TEST(ExecuteRequest, IsRead) {
   EXPECT_EQ(request.parameters, Json::parse(R"({"e_max":0.1})"));
   EXPECT_EQ(request.tag, "x");
   EXPECT_TRUE(read_execute_request(Json::parse(R"({"inputs":{"mesh":"QUJD"}})"), request, problem));
+  EXPECT_TRUE(read_execute_request(Json::parse(R"({"inputs":{"mesh":"QUJD"},"response":"document",
+      "outputs":{"layout.svg":{},"ruled.obj":{"transmissionMode":"reference"}}})"),
+                                   request, problem));
 }
 
 TEST(ExecuteRequest, WrongShapesAreRefused) {
   for (const char* text :
        {"[]", "{}", R"({"inputs":[]})", R"({"inputs":{}})", R"({"inputs":{"mesh":5}})",
-        R"({"inputs":{"mesh":{}}})", R"({"inputs":{"mesh":""},"x":1})", R"({"inputs":{"mesh":""},"tag":1})"})
-    EXPECT_EQ(refusal(text), ProblemType::kMalformedRequest);
+        R"({"inputs":{"mesh":{}}})", R"({"inputs":{"mesh":""},"x":1})", R"({"inputs":{"mesh":""},"tag":1})",
+        R"({"inputs":{"mesh":""},"response":"raw"})", R"({"inputs":{"mesh":""},"response":"banana"})",
+        R"({"inputs":{"mesh":""},"outputs":["layout.svg"]})",
+        R"({"inputs":{"mesh":""},"outputs":{"nix":{}}})",
+        R"({"inputs":{"mesh":""},"outputs":{"layout.svg":{"transmissionMode":"value"}}})"})
+    EXPECT_EQ(refusal(text), ProblemType::kMalformedRequest) << text;
   EXPECT_EQ(refusal(R"({"inputs":{"mesh":{"href":"http://x"}}})"), ProblemType::kRemoteInputDisabled);
 }
 

@@ -7,6 +7,7 @@
 
 #include "server/http/rate_limit.h"
 #include "server/jobs/job_runner.h"
+#include "server/jobs/sandbox.h"
 
 namespace sheetform::server {
 namespace {
@@ -24,6 +25,18 @@ struct Case {
   Action action;
   ProblemType problem;
 };
+
+TEST(Priority, OnlyWhatAClientWaitsForGoesBeforeTheJobs) {
+  const auto awaited = [](WorkerMode mode) {
+    WorkerRequest request;
+    request.mode = mode;
+    return limits_of(request).awaited;
+  };
+  EXPECT_TRUE(awaited(WorkerMode::kInspect));
+  EXPECT_TRUE(awaited(WorkerMode::kExport));
+  EXPECT_FALSE(awaited(WorkerMode::kDecompose));
+  EXPECT_FALSE(awaited(WorkerMode::kSweep));
+}
 
 TEST(Verdict, Table) {
   const ServiceLimits limits;

@@ -101,6 +101,14 @@ TEST_F(SweepOfATetrahedron, HandsOverEachPointTheFinestFirst) {
   EXPECT_FALSE(api::Json::parse(outcome.files[1].content).contains("missing"));
 }
 
+/// The limit on uploads is the server's (--max-upload), not one of the reader's own.
+TEST(Inspection, TakesWhatTheServerTook) {
+  std::string mesh(std::size_t{257} << 20, '\n');
+  mesh += kTetrahedron;
+  const api::MeshInfo info = inspect_mesh(mesh, "large.obj", api::complete_parameters(api::Json::object()));
+  EXPECT_EQ(info.faces, 4);
+}
+
 TEST_F(SweepOfATetrahedron, KeepsWhatIsFoundWhenTheTimeIsUp) {
   const SweepOutcome outcome = run(out_of_time);
   EXPECT_EQ(outcome.curve.size(), 2u);
