@@ -1,7 +1,7 @@
 // The same mesh again with other parameters, without uploading it from the person's disk.
 import { execute, getGuides, getInput } from "./api.js";
 import { jobs } from "./jobs.js";
-import { keepPicture, recall, remember } from "./prefs.js";
+import { inheritPicture, recall, remember } from "./prefs.js";
 
 /** Millimetres for one unit of the mesh, as in force. */
 export const scaleOf = (job) => job.inputs?.mesh?.scale ?? job.parameters?.scale ?? 1;
@@ -34,8 +34,7 @@ export function inherit(from, to) {
   const known = recall("jobs", {});
   known[to] ??= known[from] ?? {};
   remember("jobs", known);
-  const pictures = recall("pictures", {});
-  keepPicture(to, pictures[to] ?? pictures[from]);
+  inheritPicture(from, to);
 }
 
 export const startVariant = (job, change) => again(job, change);

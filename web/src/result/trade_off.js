@@ -10,11 +10,18 @@ export const sweepTolerances = (job) => (job.parameters?.e_max < 0.008 ? [...SWE
 
 export const isSweep = (job) => job.processID === "sweep";
 
+const families = new WeakMap(); // of jobs: every event compares all of them
+
 /**
  * What makes two jobs comparable: the mesh, its size however it was asked for, and all parameters but the tolerance, the
  * effort and the seed.
  */
 function family(job) {
+  if (!families.has(job)) families.set(job, familyOf(job));
+  return families.get(job);
+}
+
+function familyOf(job) {
   const { e_max, e_max_mm, effort, seed, target_size, scale, ...rest } = job.parameters ?? {};
   void [e_max, e_max_mm, effort, seed, target_size];
   const { sha256, scale: inForce = scale ?? 1 } = job.inputs?.mesh ?? {};

@@ -35,6 +35,7 @@ class JobPage {
 
   async start() {
     this.stage.clear("");
+    jobs.open = this.id;
     this.stop = jobs.onChange(() => this.update());
     if (!jobs.get(this.id)) {
       replace(this.panel, h("p", { class: "busy" }, "Asking the server …"));
@@ -63,6 +64,7 @@ class JobPage {
     for (const stop of [this.stop, ...(this.stops ?? [])]) stop?.();
     this.result?.dispose();
     clearInterval(this.clock);
+    if (jobs.open === this.id) jobs.open = null;
     this.gone = true;
   }
 

@@ -2,7 +2,7 @@
 import { freshId, h, replace, s } from "../dom.js";
 import { count, metres, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { COSTS, curve, missingOf, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
+import { COSTS, curve, missingOf, relatives, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
 import { startSweep } from "../variants.js";
 import { problemBox } from "./problem.js";
 
@@ -14,9 +14,14 @@ export function tradeOff(job, scale, stops) {
   const note = h("div", {});
   let sending = false;
   let measure = "parts";
+  let drawn = [];
+  /** Draws anew only what concerns this mesh: what others do shall not take a point from under the pointer. */
   const update = () => {
-    const all = jobs.newestFirst();
     const mine = jobs.get(job.jobID) ?? job;
+    const all = relatives(mine, jobs.newestFirst());
+    const now = [measure, sending, ...all];
+    if (now.length === drawn.length && now.every((part, k) => part === drawn[k])) return;
+    drawn = now;
     const focus = document.activeElement?.getAttribute?.("href");
     const held = chart.contains(document.activeElement);
     replace(chart, draw(curve(mine, all, measure), mine, scale, measure));
