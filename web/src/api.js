@@ -62,6 +62,8 @@ export const listJobs = async (href = olderJobs()) => {
 };
 export const dismissJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`, { method: "DELETE" });
 export const retryJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
+/** Ends a running sweep with the points that are finished. */
+export const finishJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/finish`, { method: "POST" });
 /** A point of a sweep as a job of its own, without computing it again. */
 export const openPoint = (sweep, point) =>
   json(`${ROOT}/jobs/${encodeURIComponent(sweep)}/points/${encodeURIComponent(point)}`, { method: "POST" });

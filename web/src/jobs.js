@@ -1,5 +1,5 @@
 // The jobs as the page knows them, kept up to date by the server's events.
-import { dismissJob, listJobs, olderJobs, retryJob, watchJobs } from "./api.js";
+import { dismissJob, finishJob, listJobs, olderJobs, retryJob, watchJobs } from "./api.js";
 import { Observable } from "./listeners.js";
 
 export const ACTIVE = new Set(["accepted", "running"]);
@@ -41,7 +41,7 @@ class Jobs extends Observable {
       onSnapshot: (jobs) => {
         // What is older than the newest hundred is kept; what should be among them and is not was removed.
         const listed = new Set(jobs.map((job) => job.jobID));
-        const oldest = jobs.length < 100 ? "" : jobs.at(-1).created;
+        const oldest = jobs[99]?.created ?? "";
         for (const [id, { created }] of this.list) if (created > oldest && !listed.has(id)) this.list.delete(id);
         for (const job of jobs) this.take(job);
         this.known = true;
@@ -111,6 +111,11 @@ class Jobs extends Observable {
     const job = await dismissJob(id);
     if (active) this.put(job);
     else this.drop(id);
+  }
+
+  /** Ends a sweep with what it has found. */
+  async finish(id) {
+    this.put(await finishJob(id));
   }
 
   async retry(id) {

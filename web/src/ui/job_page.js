@@ -6,7 +6,7 @@ import { count, duration, millimetres } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
 import { recall } from "../prefs.js";
-import { isSweep, stepOf } from "../result/trade_off.js";
+import { finishedOf, isSweep, stepOf } from "../result/trade_off.js";
 import { asAsked, scaleOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
@@ -15,6 +15,7 @@ import { problemBox } from "./problem.js";
 import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
 import { sweepView } from "./sweep_view.js";
+import { stopButton, wordsOfStop } from "./trade_off_chart.js";
 
 export function jobPage({ go, stage, process, id }) {
   const panel = h("section", { class: "panel", "aria-label": "Job" });
@@ -155,7 +156,9 @@ class JobPage {
       item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
       item.toggleAttribute("aria-current", !waiting && k === done);
     });
-    replace(facts, factsOf(job));
+    if (facts.textContent !== (factsOf(job)?.textContent ?? "")) replace(facts, factsOf(job));
+    this.progress.keep.hidden = waiting || finishedOf(job) === 0;
+    this.progress.keep.textContent = wordsOfStop(job);
     if (!this.progress.element.isConnected) replace(this.panel, this.progress.element);
   }
 
@@ -165,6 +168,8 @@ class JobPage {
     const times = h("p", { class: "hint times" });
     const heading = h("h2", {});
     const facts = h("div", {});
+    const note = h("div", {});
+    const keep = stopButton(jobs.get(this.id), note, "");
     const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
     const cancel = h(
       "button",
@@ -176,7 +181,7 @@ class JobPage {
           try {
             await jobs.dismiss(this.id);
           } catch (error) {
-            replace(facts, problemBox(error));
+            replace(note, problemBox(error));
           }
           cancel.disabled = false;
         },
@@ -189,10 +194,12 @@ class JobPage {
       heading,
       h("div", { class: "percent-row" }, percentText, times),
       h("div", { class: "row bar-row" }, bar, cancel),
+      keep,
       h("ol", { class: "stages" }, stages),
       facts,
+      note,
     );
-    return { element, bar, percentText, times, stages, heading, facts };
+    return { element, bar, percentText, times, stages, heading, facts, keep };
   }
 
   showEnded(job) {
