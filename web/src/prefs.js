@@ -28,6 +28,18 @@ export function forget(name) {
   }
 }
 
+const MAX_JOBS = 300;
+
+/** What only this device knows of a job: {material, up}. */
+export const knownOf = (id) => recall("jobs", {})[id] ?? {};
+
+export function rememberOf(id, more) {
+  const { [id]: known, ...all } = recall("jobs", {});
+  all[id] = { ...known, ...more };
+  for (const old of Object.keys(all).slice(0, -MAX_JOBS)) delete all[old];
+  remember("jobs", all);
+}
+
 let pictures = null; // read once: all of them together are large
 globalThis.addEventListener?.("storage", () => (pictures = null)); // another window has kept one
 

@@ -1,7 +1,7 @@
 // The same mesh again with other parameters, without uploading it from the person's disk.
 import { execute, getGuides, getInput } from "./api.js";
 import { jobs } from "./jobs.js";
-import { inheritPicture, recall, remember } from "./prefs.js";
+import { inheritPicture, knownOf, rememberOf } from "./prefs.js";
 
 /** Millimetres for one unit of the mesh, as in force. */
 export const scaleOf = (job) => job.inputs?.mesh?.scale ?? job.parameters?.scale ?? 1;
@@ -31,9 +31,7 @@ async function again(job, change, options = {}) {
 
 /** What only this device knows of a job: the new one is of the same material, stands the same way up, looks alike. */
 export function inherit(from, to) {
-  const known = recall("jobs", {});
-  known[to] ??= known[from] ?? {};
-  remember("jobs", known);
+  rememberOf(to, { ...knownOf(from), ...knownOf(to) });
   inheritPicture(from, to);
 }
 

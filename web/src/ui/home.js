@@ -3,6 +3,7 @@ import { h } from "../dom.js";
 import { ACCEPTED, drafts } from "../drafts.js";
 import { jobs } from "../jobs.js";
 import { SAMPLES, sampleFile } from "../mesh/samples.js";
+import { recall, remember } from "../prefs.js";
 import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 import { JobCards } from "./job_cards.js";
@@ -75,9 +76,11 @@ export function homePage({ go }) {
   const section = h("section", { class: "jobs" }, h("h2", {}, "Your jobs"), cards.element);
   const update = () => {
     section.hidden = jobs.list.size === 0;
-    drop.classList.toggle("compact", !section.hidden); // the jobs shall be in sight
+    if (jobs.known) remember("had-jobs", !section.hidden);
     cards.show();
   };
+  // The jobs shall be in sight; but nothing moves under the pointer when they arrive.
+  drop.classList.toggle("compact", jobs.known ? jobs.list.size > 0 : recall("had-jobs", false));
   update();
   const stop = jobs.onChange(update);
   const clock = setInterval(update, 30000); // "2 minutes ago" grows old

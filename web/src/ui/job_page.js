@@ -5,7 +5,7 @@ import { drafts, guessUp } from "../drafts.js";
 import { count, duration, millimetres } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
-import { recall } from "../prefs.js";
+import { knownOf, rememberOf } from "../prefs.js";
 import { finishedOf, isSweep, stepOf } from "../result/trade_off.js";
 import { asAsked, scaleOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
@@ -106,7 +106,11 @@ class JobPage {
   }
 
   up(mesh) {
-    return recall("jobs", {})[this.id]?.up ?? guessUp(mesh);
+    return knownOf(this.id).up ?? guessUp(mesh);
+  }
+
+  rememberUp(up) {
+    rememberOf(this.id, { up });
   }
 
   /** The uploaded mesh, read once; null when it cannot be had. */
@@ -125,6 +129,7 @@ class JobPage {
     this.stage.showInput(mesh, {
       up: this.up(mesh),
       scale: scaleOf(job),
+      onUp: (up) => this.rememberUp(up),
       places: placesOf(job.exception, mesh),
       guides: new Guides(guides),
     });
@@ -246,7 +251,7 @@ class JobPage {
       const name = job.inputs?.mesh?.name || "mesh.obj";
       const [mesh, guides] = await Promise.all([getInput(this.id), getGuides(job)]);
       const file = new File([mesh], name);
-      const { up, material } = recall("jobs", {})[this.id] ?? {};
+      const { up, material } = knownOf(this.id);
       const { e_max, scale, ...values } = { ...asAsked(job), ...change };
       // Of a sweep, which has many tolerances, none is taken over.
       drafts.open([file], { tag: job.tag, scale, guides, values: isSweep(job) ? values : { ...values, e_max } });
@@ -274,7 +279,8 @@ class JobPage {
       work: this.element,
       mesh: () => this.mesh(),
       up: (mesh) => this.up(mesh),
-      material: recall("jobs", {})[this.id]?.material,
+      onUp: (up) => this.rememberUp(up),
+      material: knownOf(this.id).material,
       go: this.go,
       runAgain: (change) => this.runAgain(job, change),
       remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
