@@ -18,10 +18,11 @@ export function millimetres(value) {
   return `${value.toExponential(1)} mm`;
 }
 
-/** Width by depth with one unit: 313 × 141 mm. */
-export function extent(w, d) {
-  const digits = Math.max(w, d) >= 100 ? 0 : Math.max(w, d) >= 10 ? 1 : 2;
-  return `${number(digits).format(w)} × ${number(digits).format(d)} mm`;
+/** Width by depth, and height, with one unit: 313 × 141 mm. */
+export function extent(...sizes) {
+  const most = Math.max(...sizes);
+  const digits = most >= 100 ? 0 : most >= 10 ? 1 : 2;
+  return `${sizes.map((size) => number(digits).format(size)).join(" × ")} mm`;
 }
 
 /** A length that adds up over a whole job: metres from one metre on. */

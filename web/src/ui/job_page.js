@@ -2,7 +2,7 @@
 import { getGuides, getInput, getJob } from "../api.js";
 import { announce, h, replace } from "../dom.js";
 import { drafts, guessUp } from "../drafts.js";
-import { count, duration, millimetres } from "../format.js";
+import { count, duration, extent } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
 import { knownOf, rememberOf } from "../prefs.js";
@@ -293,7 +293,7 @@ class JobPage {
 export function factsOf(job) {
   const mesh = job.inputs?.mesh;
   if (!mesh) return null;
-  const size = mesh.sizeMm?.map((value) => millimetres(value)).join(" × ");
+  const size = mesh.sizeMm && extent(...mesh.sizeMm);
   return h(
     "p",
     { class: "hint" },
