@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <cstring>
