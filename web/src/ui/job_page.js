@@ -146,7 +146,7 @@ class JobPage {
     heading.textContent = waiting
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
-        : "Starts in a moment"
+        : "Waits: next in line"
       : isSweep(job)
         ? `Comparing tolerances ${stepOf(job)}`
         : "Making the sheets";
