@@ -92,4 +92,29 @@ it("takes a removed job away, and only that", async () => {
   assert.equal(await page.locator(".card").count(), before - 1);
 });
 
+it("shows older jobs when asked, those too that the first answer of the server did not hold", async () => {
+  for (let k = 0; k < 110; k++) {
+    const { jobID } = await submit(strip(`old-${k}.obj`, 500 + k));
+    await fetch(`${server.url}api/v1/jobs/${jobID}`, { method: "DELETE" });
+  }
+  const { jobs } = await (await fetch(`${server.url}api/v1/jobs?limit=1000`)).json();
+  await page.reload();
+  const cards = page.locator(".card");
+  const older = page.getByRole("button", { name: "Older jobs" });
+  await cards.first().waitFor();
+  assert.equal(await cards.count(), 60);
+  for (const shown of [Math.min(120, jobs.length), jobs.length]) {
+    const before = await cards.count();
+    await older.click();
+    await page.waitForFunction((n) => document.querySelectorAll(".card").length === n, shown);
+    const focused = await page.evaluate(() => [...document.querySelectorAll(".card")].indexOf(document.activeElement));
+    assert.equal(focused, before, "one goes on at the first of those that came");
+  }
+  assert.equal(await older.isVisible(), false);
+  assert.deepEqual(
+    await cards.evaluateAll((list) => list.map((card) => card.getAttribute("href").slice(5))),
+    jobs.map(({ jobID }) => jobID),
+  );
+});
+
 it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));
