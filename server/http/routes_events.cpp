@@ -122,9 +122,15 @@ class ListStream : public Stream {
     JobFilter filter;
     filter.principal = visible_;
     filter.limit = kSnapshot;
+    std::vector<JobRecord> jobs = parts_.service.store().list(filter);
+    if (static_cast<int>(jobs.size()) == kSnapshot) {  // what runs is told however old it is
+      filter.after = {jobs.back().created, jobs.back().id};
+      filter.states = {JobState::kRunning};
+      const std::vector<JobRecord> running = parts_.service.store().list(filter);
+      jobs.insert(jobs.end(), running.begin(), running.end());
+    }
     api::Json list = api::Json::array();
-    for (const JobRecord& job : parts_.service.store().list(filter))
-      list.push_back(api::to_json(parts_.service.status(job), kApiRoot));
+    for (const JobRecord& job : jobs) list.push_back(api::to_json(parts_.service.status(job), kApiRoot));
     return write(event_text("snapshot", {{"jobs", list}}));
   }
   bool send_changes(const LiveContent::Write& write) {

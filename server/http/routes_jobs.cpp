@@ -107,6 +107,9 @@ void add_job_routes(Router& router, ApiParts& parts) {
   router.add({"DELETE", job, "submit", [&parts](Exchange& x) {
                 return status_answer(parts, 200, parts.service.dismiss(job_of(x, parts)));
               }});
+  router.add({"POST", job + "/finish", "submit", [&parts](Exchange& x) {
+                return status_answer(parts, 200, parts.service.finish(job_of(x, parts)));
+              }});
   router.add({"POST", job + "/retry", "submit", [&parts](Exchange& x) {
                 return status_answer(parts, 200, parts.service.retry(job_of(x, parts)));
               }});

@@ -95,6 +95,7 @@ class Watch {
   void read_status();
   void take_line(std::string_view line);
   void check_times();
+  void ask_to_finish();
   void end_because(ChildEnding why, int signal);
   std::int64_t cpu_ticks() const;
 
@@ -103,7 +104,7 @@ class Watch {
   pid_t pid_ = -1;
   Descriptor pid_file_, status_, log_;
   std::string pending_;
-  bool gone_ = false, stopping_ = false;
+  bool gone_ = false, stopping_ = false, finishing_ = false;
   SteadyClock::time_point begun_ = SteadyClock::now(), last_life_ = begun_, stop_at_{}, second_{};
   int lines_this_second_ = 0;
   std::int64_t last_ticks_ = 0;
@@ -193,6 +194,7 @@ void Watch::check_times() {
     return;
   }
   if (task_.stop != nullptr && task_.stop->raised()) return end_because(ChildEnding::kStopped, SIGTERM);
+  ask_to_finish();
   if (now - begun_ > task_.wall) return end_because(ChildEnding::kTimedOut, SIGTERM);
   if (now - last_life_ > task_.stall) {
     const std::int64_t ticks = cpu_ticks();
@@ -200,6 +202,13 @@ void Watch::check_times() {
     last_ticks_ = ticks;
     last_life_ = now;
   }
+}
+
+/// Not before the child has said something: until then the signal would end it.
+void Watch::ask_to_finish() {
+  if (finishing_ || task_.enough == nullptr || !task_.enough->raised() || last_life_ == begun_) return;
+  finishing_ = true;
+  ::kill(pid_, SIGUSR1);
 }
 
 void Watch::end_because(ChildEnding why, int signal) {

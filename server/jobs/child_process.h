@@ -34,6 +34,8 @@ struct ChildTask {
   WorkerRequest request;
   std::chrono::seconds wall{900}, stall{120};
   const StopSignal* stop = nullptr;  ///< asks the child to end; killed half a second later
+  const StopSignal* enough =
+      nullptr;  ///< asks it to end with the result that it has; within a quarter of a second
   std::function<void(const WorkerMessage&)> on_message;
 };
 

@@ -84,7 +84,7 @@ class Listener {
 };
 
 ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int input, int folder,
-                   const StopSignal& stop) {
+                   const AttemptWishes& wishes) {
   const ServiceLimits& l = parts.limits;
   ChildTask task;
   task.program = parts.program;
@@ -102,7 +102,8 @@ ChildTask task_for(const RunnerParts& parts, const ClaimedJob& claimed, int inpu
   task.request.sandbox = parts.sandbox;
   task.wall = std::chrono::seconds(l.job_seconds + more);
   task.stall = std::chrono::seconds(l.stall_seconds);
-  task.stop = &stop;
+  task.stop = &wishes.stop;
+  task.enough = &wishes.enough;
   return task;
 }
 
@@ -146,7 +147,9 @@ std::string summary_of(const api::Json& report) {
     const std::size_t all = curve->size() + missing;
     return "curve of " + (missing > 0 ? std::to_string(curve->size()) + " of " : std::string()) +
            std::to_string(all) + (all == 1 ? " tolerance" : " tolerances") +
-           (missing > 0 ? ", time ran out" : "");
+           (report.value("stopped", false) ? ", stopped"
+            : missing > 0                  ? ", time ran out"
+                                           : "");
   }
   const int parts = report.value("patches", 0);
   return std::to_string(parts) + (parts == 1 ? " part" : " parts") +
@@ -243,19 +246,18 @@ void log_end(const ClaimedJob& claimed, const Verdict& verdict, const ChildRepor
 
 }  // namespace
 
-void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const StopSignal& stop,
-                 const std::atomic<StopReason>& reason) {
+void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes) {
   const Descriptor input = parts.inputs.open(claimed.job.input);
   if (!input.valid()) return fail_without_input(parts, claimed);
   const AttemptFolder folder(parts.work, claimed);
   Listener listener(parts, claimed);
-  ChildTask task = task_for(parts, claimed, input.get(), folder.descriptor(), stop);
+  ChildTask task = task_for(parts, claimed, input.get(), folder.descriptor(), wishes);
   task.on_message = [&listener](const WorkerMessage& m) { listener(m); };
   const ChildReport report = run_child(task);
-  Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), reason, claimed.job,
-                                  listener.stage, parts.limits);
+  Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), wishes.reason,
+                                  claimed.job, listener.stage, parts.limits);
   if (verdict.action == Verdict::Action::kPublish)
-    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, stop, verdict);
+    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, wishes.stop, verdict);
   parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,
                                    report.peak_rss, report.cpu_ms});
   act(parts, claimed, verdict);

@@ -29,8 +29,12 @@ struct RunnerParts {
 enum class StopReason { kNone, kDismissed, kDrain };
 
 /// Runs the attempt to its end and writes what came of it. `reason` tells, after a stop, who asked for it.
-void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const StopSignal& stop,
-                 const std::atomic<StopReason>& reason);
+/// What others may wish of an attempt while it runs.
+struct AttemptWishes {
+  StopSignal stop, enough;  ///< to end it; to end a sweep with the points that it has
+  std::atomic<StopReason> reason{StopReason::kNone};
+};
+void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes);
 
 /// What an attempt's end means for the job. A pure function, so that the table can be tested.
 struct Verdict {

@@ -375,6 +375,17 @@ JobRecord JobService::dismiss(const JobRecord& job) {
   return removed;
 }
 
+JobRecord JobService::finish(const JobRecord& job) {
+  if (job.process != api::kSweep)
+    throw Refusal(ProblemType::kConflict, "the job is no sweep, it has no points to keep",
+                  "DELETE cancels it");
+  const bool runs = job.state == JobState::kRunning;
+  if (job.state != JobState::kSuccessful && !(runs && pool_.finish_job(job.id)))
+    throw Refusal(ProblemType::kConflict, std::string("the job is ") + api::to_string(job.state),
+                  "only a sweep that runs can end with what it has; DELETE cancels one that waits");
+  return *jobs_.find(job.id);
+}
+
 JobRecord JobService::retry(const JobRecord& job) {
   if (!jobs_.retry(job.id, now_us() + options_.limits.keep_results))
     throw Refusal(ProblemType::kConflict, std::string("the job is ") + api::to_string(job.state),

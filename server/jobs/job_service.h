@@ -71,6 +71,9 @@ class JobService {
   api::StatusInfo status_at(const JobRecord& job, const JobEvent& event) const;
   /// Cancels or removes; the job as it is afterwards (as dismissed when it was removed).
   JobRecord dismiss(const JobRecord& job);
+  /// Asks a running sweep to end with the points that it has found, or with the first one; the job as it is.
+  /// Throws Refusal for any other job; a sweep that has just ended is fine.
+  JobRecord finish(const JobRecord& job);
   JobRecord retry(const JobRecord& job);
   /// Waits until the job's revision differs, or (until_end) until it has ended; at most `limit`.
   JobRecord wait_for_change(JobRecord job, bool until_end, std::chrono::seconds limit);

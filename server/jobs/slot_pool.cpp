@@ -30,12 +30,20 @@ void SlotPool::stop_job(const std::string& id) {
   found->second->stop.raise();
 }
 
+bool SlotPool::finish_job(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = running_.find(id);
+  if (found == running_.end()) return false;
+  found->second->enough.raise();
+  return true;
+}
+
 int SlotPool::running() const {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(running_.size());
 }
 
-void SlotPool::stop_for_drain(Running& job) {
+void SlotPool::stop_for_drain(AttemptWishes& job) {
   StopReason none = StopReason::kNone;
   job.reason.compare_exchange_strong(none, StopReason::kDrain);
   job.stop.raise();
@@ -102,7 +110,7 @@ void SlotPool::put_back(const ClaimedJob& claimed) {
 }
 
 void SlotPool::run_one(const ClaimedJob& claimed) {
-  const auto running = std::make_shared<Running>();
+  const auto running = std::make_shared<AttemptWishes>();
   {
     const std::lock_guard lock(mutex_);
     running_[claimed.job.id] = running;
@@ -112,7 +120,7 @@ void SlotPool::run_one(const ClaimedJob& claimed) {
   // Dismissed between the claim and the entry above: nobody would stop it any more.
   const std::optional<JobRecord> job = parts_.jobs.find(claimed.job.id);
   try {
-    if (job && job->state == JobState::kRunning) run_attempt(parts_, claimed, running->stop, running->reason);
+    if (job && job->state == JobState::kRunning) run_attempt(parts_, claimed, *running);
   } catch (const std::exception& e) {
     log_error("an attempt failed", {{"job", claimed.job.id}, {"reason", e.what()}});
     put_back(claimed);

@@ -23,29 +23,27 @@ class SlotPool {
   void wake();
   /// Ends the process of a job that a user dismissed.
   void stop_job(const std::string& id);
+  /// Asks a sweep to end with the points that it has; false when it does not run.
+  bool finish_job(const std::string& id);
   /// No new jobs; those that run get until `deadline`, then they are stopped and wait again. Returns when all
   /// slots have ended. May be called once.
   void drain(SteadyClock::time_point deadline);
   int running() const;
 
  private:
-  struct Running {
-    StopSignal stop;
-    std::atomic<StopReason> reason{StopReason::kNone};
-  };
   void run_slot();
   void run_one(const ClaimedJob& claimed);
   void put_back(const ClaimedJob& claimed);
   void wait_for_work(std::unique_lock<std::mutex>& lock);
   void stop_all();
-  static void stop_for_drain(Running& job);
+  static void stop_for_drain(AttemptWishes& job);
 
   RunnerParts parts_;
   mutable std::mutex mutex_;
   std::condition_variable work_, ended_;
   std::uint64_t wakes_ = 0;
   bool draining_ = false, stop_now_ = false;
-  std::map<std::string, std::shared_ptr<Running>> running_;
+  std::map<std::string, std::shared_ptr<AttemptWishes>> running_;
   std::vector<std::thread> threads_;
 };
 

@@ -28,6 +28,13 @@ namespace {
 std::atomic<bool> stop_requested{false};
 void request_stop(int) { stop_requested = true; }
 
+// What a sweep has found is enough: it stops now, or with its first point.
+std::atomic<bool> enough{false}, point_found{false};
+void request_finish(int) {
+  enough = true;
+  if (point_found) stop_requested = true;
+}
+
 /// A failure of the disk below the child, told apart from all others by its exit status.
 struct IoFailure {
   std::string what;
@@ -150,7 +157,7 @@ void decompose_job(const WorkerRequest& request) {
 }
 
 /// The files of each point as soon as it is found, under names that begin with it; then the curve. When the
-/// time is up, what was found until then is the result.
+/// time is up, or when that is enough, what was found until then is the result.
 void sweep_job(const WorkerRequest& request) {
   const MappedInput input(kInputDescriptor);
   RunContext context = context_of(request);
@@ -159,16 +166,22 @@ void sweep_job(const WorkerRequest& request) {
   WorkerMessage::Result result;
   const SweepOutcome outcome = run_sweep(
       input.bytes(), request.name, request.parameters,
-      request.parameters.at(api::kTolerance).get<std::vector<double>>(), context, [&](SweepStep step) {
+      request.parameters.at(api::kTolerance).get<std::vector<double>>(), context,
+      [&](SweepStep step) {
         for (OutputFile& file : step.outcome.files)
           hand_over({api::point_file(step.point, file.name), file.media_type, std::move(file.content)},
                     result);
-      });
+        point_found = true;
+        if (enough) stop_requested = true;
+      },
+      &enough);
   context.deadline.reset();
+  context.cancelled = nullptr;
   context.report(Stage::kWrite, 0);
   for (const OutputFile& file : outcome.files) hand_over(file, result);
   result.report = {{"curve", outcome.curve}};
   if (!outcome.missing.empty()) result.report["missing"] = outcome.missing;
+  if (outcome.stopped) result.report["stopped"] = true;
   result.notes = outcome.notes;
   send_result(std::move(result));
 }
@@ -250,6 +263,7 @@ int worker_command() {
     throw Error(ErrorCode::kInvalidParameter, "`worker` is started by the server only", "command line",
                 "use `sheetform decompose`");
   std::signal(SIGTERM, request_stop);
+  std::signal(SIGUSR1, request_finish);
   std::signal(SIGPIPE, SIG_IGN);
   const int status = guarded_worker();
   std::fflush(nullptr);

@@ -150,9 +150,11 @@ api::Json curve_point(const SweepStep& step) {
   return point;
 }
 
-std::string out_of_time(std::size_t done, std::size_t all) {
-  return "time ran out after " + std::to_string(done) + " of " + std::to_string(all) +
-         " tolerances; run the missing ones again, with less effort or a simpler mesh";
+std::string ended_early(const SweepOutcome& outcome, std::size_t all) {
+  const std::string done =
+      std::to_string(outcome.curve.size()) + " of " + std::to_string(all) + " tolerances";
+  if (outcome.stopped) return "stopped after " + done + "; run the missing ones again when they are wanted";
+  return "time ran out after " + done + "; run the missing ones again, with less effort or a simpler mesh";
 }
 
 }  // namespace
@@ -205,7 +207,7 @@ Outcome run_decomposition(std::string_view bytes, const std::string& name, const
 
 SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
                        const std::vector<double>& e_max, RunContext& context,
-                       const std::function<void(SweepStep)>& found) {
+                       const std::function<void(SweepStep)>& found, const std::atomic<bool>* enough) {
   const DecomposeParams params = to_core(parameters);
   const ReadInput input = input_of(bytes, name, params, context);
   SweepOutcome outcome;
@@ -222,8 +224,10 @@ SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const ap
   try {
     sweep(input.mesh, params, e_max, input.field_or_null(), context, input.guides_or_null(), take);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::kDeadlineExceeded || outcome.curve.empty()) throw;
-    outcome.notes.push_back(out_of_time(outcome.curve.size(), e_max.size()));
+    const bool content = e.code() == ErrorCode::kCancelled && enough != nullptr && *enough;
+    if (outcome.curve.empty() || !(content || e.code() == ErrorCode::kDeadlineExceeded)) throw;
+    outcome.stopped = content && !outcome.missing.empty();
+    if (!outcome.missing.empty()) outcome.notes.push_back(ended_early(outcome, e_max.size()));
   }
   outcome.files = files_of(outcome);
   return outcome;

@@ -1,6 +1,7 @@
 // One decomposition from bytes to files, and a look at a mesh without decomposing it. The only place where
 // the facade of core meets the messages; the command line and the job's child process both go through it.
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -42,17 +43,20 @@ struct SweepStep {
 };
 
 struct SweepOutcome {
-  api::Json curve;                 ///< the report of each point, named by `point`, by ascending tolerance
-  std::vector<double> missing;     ///< tolerances that the time did not suffice for
+  api::Json curve;              ///< the report of each point, named by `point`, by ascending tolerance
+  std::vector<double> missing;  ///< tolerances that were not looked at
+  bool stopped = false;         ///< whether they are missing because `enough` was set, not for lack of time
   std::vector<std::string> notes;  ///< for people, of the sweep as a whole
   std::vector<OutputFile> files;   ///< sweep.csv and sweep.json: parts and cut length against error
 };
 
 /// The same for several tolerances (fractions of the diagonal) in one run. Each point goes to `found` as soon
-/// as it is certified, the finest first. When the context's deadline comes after the first of them, the
-/// outcome tells what is missing; before it, and for every other reason, throws Error.
+/// as it is certified, the finest first. When the context's deadline, or a cancellation while `enough` is
+/// set, comes after the first of them, the outcome tells what is missing; before it, and for every other
+/// reason, throws Error.
 SweepOutcome run_sweep(std::string_view bytes, const std::string& name, const api::Json& parameters,
                        const std::vector<double>& e_max, RunContext& context,
-                       const std::function<void(SweepStep)>& found);
+                       const std::function<void(SweepStep)>& found,
+                       const std::atomic<bool>* enough = nullptr);
 
 }  // namespace sheetform::server

@@ -1,7 +1,7 @@
 // Choosing: a quick draft first, then the real thing; other tolerances as a curve whose points open their results.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { tubeStl } from "./support/meshes.mjs";
+import { ball, tubeStl } from "./support/meshes.mjs";
 import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
@@ -85,6 +85,38 @@ it("makes it properly from the draft, to which the curve leads back", async () =
   const job = await shownJob();
   assert.equal(job.parameters.effort, "normal");
   assert.equal(job.status, "successful");
+});
+
+it("stops a comparison and keeps what is finished, then makes the rest", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(ball("stop.obj", { around: 64, up: 32, wave: 0.1 }));
+  await page.getByRole("button", { name: "Quick draft" }).click();
+  await window.ready();
+  await page.getByRole("button", { name: "Compare tolerances" }).click();
+  await page.getByRole("button", { name: /Stop, keep the/ }).click();
+  const rest = page.getByRole("button", { name: /Make the (\d )?missing ones?/ });
+  await rest.waitFor();
+  const sweeps = async () =>
+    (await (await fetch(`${server.url}api/v1/jobs?processID=sweep&limit=50`)).json()).jobs.filter(
+      (job) => job.inputs.mesh.name === "stop.obj",
+    );
+  const [stopped] = await sweeps();
+  assert.equal(stopped.status, "successful");
+  assert.ok(stopped.report.stopped);
+  const { curve, missing } = stopped.report;
+  assert.ok(curve.length > 0 && missing.length > 0);
+  assert.equal(await page.locator(".chart a").count(), 1 + curve.length);
+  await page.getByText(/Not made:/).waitFor();
+  await rest.scrollIntoViewIfNeeded();
+  await window.shot("draft-6-stopped");
+  await rest.click();
+  await page.getByText("Every point is a result. Choose one").waitFor();
+  assert.equal(await page.locator(".chart a").count(), 1 + curve.length + missing.length);
+  const [second] = await sweeps();
+  assert.deepEqual(
+    second.report.curve.map(({ e_max }) => e_max),
+    missing,
+  );
 });
 
 it("had nothing to complain about", () => assert.deepEqual(window.complaints, []));

@@ -74,7 +74,7 @@ describe("on a wide window", () => {
 
   it("lights up a part and a seam in all views", async () => {
     await page.getByRole("tab", { name: "Parts" }).click();
-    await page.getByRole("option").first().click();
+    await page.locator(".parts").getByRole("option").first().click();
     assert.equal(await page.locator(".flat .part.chosen").count(), 1);
     const numbers = await page.locator(".seam-list .tag").allInnerTexts();
     const inFlat = await page.locator(".flat .part.chosen .seam-name:visible").allTextContents();

@@ -71,7 +71,7 @@ it("the result is accessible", async () => {
   result = new URL(page.url()).hash;
   await accessible("result");
   await page.getByRole("tab", { name: "Parts" }).click();
-  await page.getByRole("option").first().click();
+  await page.locator(".parts").getByRole("option").first().click();
   await accessible("parts");
   await page.getByRole("tab", { name: "Files" }).click();
   await page.locator(".sheet-preview img").waitFor();

@@ -292,6 +292,15 @@ class Events(unittest.TestCase):
             self.assertIn(job, told)
             self.assertLessEqual(told, {job, old})
 
+    def test_what_runs_is_told_however_many_jobs_came_after_it(self):
+        with Server("--slots", "1") as server:
+            running = server.submit(name="work-60000.obj")["jobID"]
+            server.wait(running, until=("running",))
+            newer = [server.submit(name="work-0.obj")["jobID"] for _ in range(101)]
+            jobs = [j["jobID"] for j in events_of(server, "/api/v1/events", stop_after=1)[1][0][2]["jobs"]]
+            self.assertEqual(jobs[-1], running)
+            self.assertEqual(jobs[:-1], newer[:0:-1])
+
 
 class Backup(unittest.TestCase):
     def test_backup_of_a_running_server_and_restore(self):

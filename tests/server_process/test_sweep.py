@@ -4,6 +4,7 @@ import csv
 import hashlib
 import io
 import json
+import re
 import signal
 import time
 
@@ -220,6 +221,77 @@ class OutOfTime(ServerCase):
         again = self.submit()
         self.assertNotIn("reusedFrom", again)
         self.server.request("DELETE", f"/api/v1/jobs/{again['jobID']}")
+
+
+class Finished(ServerCase):
+    """A sweep that is ended by wish keeps its points; a cancelled one has none."""
+    fake = False
+    options = ("--slots", "1")
+    TOLERANCES = [0.016 + 0.0005 * k for k in range(8)]  # each about half a second of work
+
+    def begin(self, seed):
+        """A sweep that runs, and a function that waits until it has come to its k-th tolerance."""
+        query = "?e_max=" + ",".join(f"{e:.4f}" for e in self.TOLERANCES)
+        job = self.server.request("POST", SWEEP + query, bowl(around=36 + seed, up=12)).json()["jobID"]
+        self.server.wait(job, until=("running",))
+
+        def at(k):
+            while True:
+                now = self.server.job(job)
+                self.assertEqual(now["status"], "running", "it was too quick for this test")
+                step = re.search(r"tolerance (\d+) of", now.get("message", ""))
+                if step and int(step.group(1)) >= k:
+                    return
+                time.sleep(0.02)
+        return job, at
+
+    def finish(self, job):
+        return self.server.request("POST", f"/api/v1/jobs/{job}/finish")
+
+    def test_what_is_found_is_kept(self):
+        job, at = self.begin(0)
+        at(2)
+        self.assertEqual(self.finish(job).status, 200)
+        ended = self.server.wait(job, timeout=60)
+        self.assertEqual(ended["status"], "successful", ended)
+        report = ended["report"]
+        self.assertTrue(report["stopped"])
+        self.assertGreaterEqual(len(report["curve"]), 1)
+        self.assertGreater(len(report["missing"]), 0)
+        self.assertEqual([p["e_max"] for p in report["curve"]] + report["missing"], [round(e, 4) for e in self.TOLERANCES])
+        self.assertIn("stopped", ended["message"])
+        self.assertIn("stopped after", report["notes"][0])
+        files = self.server.get(f"/api/v1/jobs/{job}/results").json()
+        self.assertEqual(len(files), 2 + 3 * len(report["curve"]))
+        opened = self.server.request("POST", f"/api/v1/jobs/{job}/points/{report['curve'][0]['point']}")
+        self.assertEqual((opened.status, opened.json()["status"]), (201, "successful"))
+        self.assertEqual(self.finish(job).json()["status"], "successful", "asked once too often")
+
+    def test_before_the_first_point_it_ends_with_that(self):
+        job, _ = self.begin(1)
+        self.assertEqual(self.finish(job).status, 200)
+        report = self.server.wait(job, timeout=300)["report"]
+        self.assertEqual((len(report["curve"]), report["stopped"]), (1, True))
+
+    def test_a_cancel_still_cancels(self):
+        job, at = self.begin(2)
+        at(2)
+        self.finish(job)
+        self.assertIn(self.server.request("DELETE", f"/api/v1/jobs/{job}").json()["status"], ("dismissed", "successful"))
+
+    def test_what_cannot_be_finished(self):
+        job, _ = self.begin(3)
+        waits = self.server.request("POST", SWEEP + QUERY, bowl(around=21)).json()["jobID"]
+        plain = self.server.submit(bowl(around=22), e_max=0.02)["jobID"]
+        for other, words in ((waits, "accepted"), (plain, "no sweep")):
+            answer = self.finish(other)
+            self.assert_problem(answer, 409, "conflict")
+            self.assertIn(words, answer.json()["detail"])
+            self.assertIn("DELETE", answer.json()["fix"])
+        for one in (waits, plain, job):
+            self.server.request("DELETE", f"/api/v1/jobs/{one}")
+        self.assert_problem(self.finish(job), 409, "conflict")
+        self.assert_problem(self.finish("00000000-0000-4000-8000-000000000000"), 404, "no-such-job")
 
 
 def _without_tolerances():

@@ -54,9 +54,16 @@ async function json(path, options) {
 export const getProcess = () => json(`${ROOT}/processes/decompose`);
 export const getLimits = () => json(`${ROOT}/limits`);
 export const getJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`);
-export const listJobs = async (limit = 100) => (await json(`${ROOT}/jobs?limit=${limit}`)).jobs;
+export const olderJobs = () => `${ROOT}/jobs?limit=100`;
+/** A page of the list, newest first: {jobs, next}; next = where the page of older ones is, null at the end. */
+export const listJobs = async (href = olderJobs()) => {
+  const { jobs, links } = await json(href);
+  return { jobs, next: links.find(({ rel }) => rel === "next")?.href ?? null };
+};
 export const dismissJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}`, { method: "DELETE" });
 export const retryJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
+/** Ends a running sweep with the points that are finished. */
+export const finishJob = (id) => json(`${ROOT}/jobs/${encodeURIComponent(id)}/finish`, { method: "POST" });
 /** A point of a sweep as a job of its own, without computing it again. */
 export const openPoint = (sweep, point) =>
   json(`${ROOT}/jobs/${encodeURIComponent(sweep)}/points/${encodeURIComponent(point)}`, { method: "POST" });
@@ -136,7 +143,7 @@ export function watchJobs({ onSnapshot, onJob, onRemoved, onState }) {
     timer = 0;
     if (stopped) return;
     try {
-      onSnapshot(await listJobs());
+      onSnapshot((await listJobs()).jobs);
       onState("polling");
     } catch (error) {
       onState("lost", error.problem);

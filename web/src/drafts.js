@@ -16,10 +16,12 @@ class Drafts extends Observable {
 
   /**
    * Begins a draft for each file; earlier drafts go. `like` = {tag, scale, values, guides} of an earlier job to begin
-   * with; guides as they travel.
+   * with; guides as they travel. Material and values are those of all, size and drawing of each.
    */
   open(files, like = null) {
-    this.list = [...files].map((file) => makeDraft(file, like));
+    const material = recall("material", "card");
+    const values = { e_max: materialOf(material).tolerance, ...(like?.values ?? recall("values", {})) };
+    this.list = [...files].map((file) => makeDraft(file, like, material, values));
     this.current = 0;
     for (const draft of this.list) this.read(draft);
     this.changed();
@@ -68,8 +70,7 @@ class Drafts extends Observable {
 
 export const drafts = new Drafts();
 
-function makeDraft(file, like) {
-  const material = recall("material", "card");
+function makeDraft(file, like, material, values) {
   return {
     file,
     name: file.name,
@@ -81,7 +82,7 @@ function makeDraft(file, like) {
     tag: like?.tag ?? "",
     scale: like?.scale ?? 1,
     material,
-    values: { e_max: materialOf(material).tolerance, ...(like?.values ?? recall("values", {})) },
+    values,
   };
 }
 

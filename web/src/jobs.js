@@ -1,5 +1,5 @@
 // The jobs as the page knows them, kept up to date by the server's events.
-import { dismissJob, listJobs, retryJob, watchJobs } from "./api.js";
+import { dismissJob, finishJob, listJobs, olderJobs, retryJob, watchJobs } from "./api.js";
 import { Observable } from "./listeners.js";
 
 export const ACTIVE = new Set(["accepted", "running"]);
@@ -23,17 +23,26 @@ function isOlder(job, known) {
   return job.updated === known.updated ? step(job) < step(known) : job.updated < known.updated;
 }
 
+const PAUSE = 100; // milliseconds between two tellings of changes: others may be busy, too
+const MOST = 2000; // jobs that are kept, about; a page may stay open for weeks
+
+/** Newest first. */
+const byAge = (a, b) => (a.created < b.created ? 1 : a.created > b.created ? -1 : a.jobID < b.jobID ? 1 : -1);
+
 class Jobs extends Observable {
   list = new Map();
   known = false; // whether the server's list has arrived
   connection = ""; // "live", "polling", "lost"
+  open = null; // id of the job that is looked at: it is never forgotten
+  older = olderJobs(); // where jobs are that the list does not hold yet
 
   start() {
     watchJobs({
       onSnapshot: (jobs) => {
-        // A job older than the newest hundred may be open: what is not in the list is kept.
+        // What is older than the newest hundred is kept; what should be among them and is not was removed.
         const listed = new Set(jobs.map((job) => job.jobID));
-        if (jobs.length < 100) for (const id of this.list.keys()) if (!listed.has(id)) this.list.delete(id);
+        const oldest = jobs[99]?.created ?? "";
+        for (const [id, { created }] of this.list) if (created > oldest && !listed.has(id)) this.list.delete(id);
         for (const job of jobs) this.take(job);
         this.known = true;
         this.changed();
@@ -54,9 +63,18 @@ class Jobs extends Observable {
   }
 
   newestFirst() {
-    return [...this.list.values()].sort((a, b) =>
-      a.created < b.created ? 1 : a.created > b.created ? -1 : a.jobID < b.jobID ? 1 : -1,
-    );
+    return [...this.list.values()].sort(byAge);
+  }
+
+  /** Tells at once; then, while events pour in, now and then, of all that came since. */
+  changed() {
+    if (this.pause) return (this.behind = true);
+    this.behind = false;
+    this.pause = setTimeout(() => {
+      this.pause = null;
+      if (this.behind) this.changed();
+    }, PAUSE);
+    super.changed();
   }
 
   put(job) {
@@ -67,6 +85,20 @@ class Jobs extends Observable {
   /** An event may overtake the answer to a request: what is known to be newer stays. */
   take(job) {
     if (!isOlder(job, this.list.get(job.jobID))) this.list.set(job.jobID, job);
+    if (this.list.size > 1.25 * MOST)
+      for (const old of this.newestFirst().slice(MOST))
+        if (old.jobID !== this.open && old.jobID !== job.jobID && !ACTIVE.has(old.status)) this.list.delete(old.jobID);
+  }
+
+  /** Fetches jobs that are older than those known; false when there are none. */
+  async more() {
+    for (const before = this.list.size; this.older && this.list.size === before; ) {
+      const { jobs, next } = await listJobs(this.older);
+      this.older = next;
+      for (const job of jobs) this.take(job);
+    }
+    this.changed();
+    return Boolean(this.older);
   }
 
   drop(id) {
@@ -81,13 +113,13 @@ class Jobs extends Observable {
     else this.drop(id);
   }
 
-  async retry(id) {
-    this.put(await retryJob(id));
+  /** Ends a sweep with what it has found. */
+  async finish(id) {
+    this.put(await finishJob(id));
   }
 
-  async refresh() {
-    for (const job of await listJobs()) this.take(job);
-    this.changed();
+  async retry(id) {
+    this.put(await retryJob(id));
   }
 }
 

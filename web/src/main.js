@@ -1,9 +1,9 @@
 // The page's frame: header, routes (#, #new, #job/<id>, #job/<sweep>/<point>), files dropped anywhere, light and dark.
 import { ProblemError, getProcess, openPoint, openSession } from "./api.js";
-import { h, replace } from "./dom.js";
+import { freshId, h, replace } from "./dom.js";
 import { drafts } from "./drafts.js";
 import { jobs } from "./jobs.js";
-import { recall, remember } from "./prefs.js";
+import { knownOf, recall, remember, rememberOf } from "./prefs.js";
 import { homePage } from "./ui/home.js";
 import { icon } from "./ui/icons.js";
 import { problemBox } from "./ui/problem.js";
@@ -82,7 +82,9 @@ class App {
     try {
       await this.load();
       if (this.turn !== turn) return;
-      const [id, point] = hash.slice(5).split("/").map(decodeURIComponent);
+      const [place, more] = hash.slice(5).split("?");
+      const [id, point] = place.split("/").map(decodeURIComponent);
+      if (more) takeAlong(id, place, more);
       if (point) return await this.toPoint(id, point);
       if (hash === "#new") this.show(() => (drafts.draft ? this.pages.setupPage(this) : homePage(this)));
       else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
@@ -133,7 +135,7 @@ class App {
 
   showConnection() {
     const lost = jobs.connection === "lost";
-    this.connection.classList.toggle("lost", lost);
+    this.connection.classList.toggle("lost", lost && jobs.problem?.status !== 401);
     this.connection.textContent = lost
       ? jobs.problem?.status === 401
         ? "Signed out"
@@ -179,11 +181,19 @@ class App {
   }
 }
 
+/** A link may say how a result was looked at (#job/<id>?up=y&material=paper); what is known here already stays. */
+function takeAlong(id, place, more) {
+  const told = new URLSearchParams(more);
+  const wanted = Object.fromEntries(["up", "material"].flatMap((name) => (told.has(name) ? [[name, told.get(name)]] : [])));
+  rememberOf(id, { ...wanted, ...knownOf(id) });
+  history.replaceState(null, "", `#job/${place}`);
+}
+
 /** Asks for the server's token and opens a session; the problem's own words are for programs. */
 function signIn(done) {
   return h(
     "section",
-    { class: "problem" },
+    { class: "sign-in" },
     h("h2", {}, "Sign in"),
     h("p", {}, "This server asks for a token. Whoever runs it gives you one; paste it here, once on this device."),
     tokenForm(done),
@@ -191,29 +201,25 @@ function signIn(done) {
 }
 
 function tokenForm(done) {
-  const input = h("input", {
-    type: "password",
-    autocomplete: "current-password",
-    "aria-label": "Token",
-    placeholder: "Token",
-  });
+  const id = freshId("token");
+  const input = h("input", { type: "password", autocomplete: "current-password", id, required: true });
   const error = h("p", { class: "field-error", role: "alert" });
   return h(
     "form",
     {
-      class: "row",
       onsubmit: async (event) => {
         event.preventDefault();
         try {
           await openSession(input.value.trim());
           done();
         } catch (problem) {
-          error.textContent = problem.message;
+          error.textContent =
+            problem.problem?.status === 401 ? "This token is not known here. Is it complete?" : problem.message;
         }
       },
     },
-    input,
-    h("button", { class: "primary" }, "Sign in"),
+    h("label", { for: id }, "Token"),
+    h("div", { class: "row" }, input, h("button", { class: "primary" }, "Sign in")),
     error,
   );
 }

@@ -28,10 +28,27 @@ export function forget(name) {
   }
 }
 
+const MAX_JOBS = 300;
+
+/** What only this device knows of a job: {material, up}. */
+export const knownOf = (id) => recall("jobs", {})[id] ?? {};
+
+export function rememberOf(id, more) {
+  const { [id]: known, ...all } = recall("jobs", {});
+  all[id] = { ...known, ...more };
+  for (const old of Object.keys(all).slice(0, -MAX_JOBS)) delete all[old];
+  remember("jobs", all);
+}
+
+let pictures = null; // read once: all of them together are large
+globalThis.addEventListener?.("storage", () => (pictures = null)); // another window has kept one
+
+const allPictures = () => (pictures ??= recall("pictures", {}));
+
 /** Keeps a small picture (a data URL) of a job; the oldest go first. */
 export function keepPicture(id, dataUrl) {
   if (!dataUrl) return;
-  const pictures = recall("pictures", {});
+  pictures = recall("pictures", {});
   delete pictures[id];
   pictures[id] = dataUrl;
   const ids = Object.keys(pictures);
@@ -39,9 +56,14 @@ export function keepPicture(id, dataUrl) {
   remember("pictures", pictures);
 }
 
+export const inheritPicture = (from, to) => keepPicture(to, allPictures()[to] ?? allPictures()[from]);
+
+/** Whether there is one. */
+export const hasPicture = (id) => Boolean(allPictures()[id]);
+
 /** The picture as a Blob, or null. Decoded here because the page's policy allows no data: addresses. */
 export function pictureOf(id) {
-  const dataUrl = recall("pictures", {})[id];
+  const dataUrl = allPictures()[id];
   if (!dataUrl) return null;
   const comma = dataUrl.indexOf(",");
   const bytes = Uint8Array.from(atob(dataUrl.slice(comma + 1)), (c) => c.charCodeAt(0));

@@ -1,7 +1,7 @@
 // The same mesh again with other parameters, without uploading it from the person's disk.
 import { execute, getGuides, getInput } from "./api.js";
 import { jobs } from "./jobs.js";
-import { keepPicture, recall, remember } from "./prefs.js";
+import { inheritPicture, knownOf, rememberOf } from "./prefs.js";
 
 /** Millimetres for one unit of the mesh, as in force. */
 export const scaleOf = (job) => job.inputs?.mesh?.scale ?? job.parameters?.scale ?? 1;
@@ -31,11 +31,8 @@ async function again(job, change, options = {}) {
 
 /** What only this device knows of a job: the new one is of the same material, stands the same way up, looks alike. */
 export function inherit(from, to) {
-  const known = recall("jobs", {});
-  known[to] ??= known[from] ?? {};
-  remember("jobs", known);
-  const pictures = recall("pictures", {});
-  keepPicture(to, pictures[to] ?? pictures[from]);
+  rememberOf(to, { ...knownOf(from), ...knownOf(to) });
+  inheritPicture(from, to);
 }
 
 export const startVariant = (job, change) => again(job, change);

@@ -248,7 +248,12 @@ std::vector<Entry> file_entries() {
                 }).only_for(pdf));
   out.push_back(choice<UpAxis>("up", "Axis of the model that points up in the pictures",
                                [](ExportRequest& r) -> UpAxis& { return r.pdf.up; },
-                               {{"z", UpAxis::kZ}, {"y", UpAxis::kY}})
+                               {{"z", UpAxis::kZ},
+                                {"y", UpAxis::kY},
+                                {"x", UpAxis::kX},
+                                {"-z", UpAxis::kMinusZ},
+                                {"-y", UpAxis::kMinusY},
+                                {"-x", UpAxis::kMinusX}})
                     .only_for(pdf));
   out.push_back(real("frame_radius", "mm", "Radius of the seam frame's rods", kFrame, &FrameOptions::radius)
                     .only_for(frame));

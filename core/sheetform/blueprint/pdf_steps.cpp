@@ -135,6 +135,25 @@ struct Camera {
   }
 };
 
+// A direction as it is where z points up, turned to where `up` does.
+Vector3 upright(const Vector3& v, UpAxis up) {
+  switch (up) {
+    case UpAxis::kX:
+      return {v.z(), v.x(), v.y()};
+    case UpAxis::kY:
+      return {v.x(), v.z(), -v.y()};
+    case UpAxis::kZ:
+      return v;
+    case UpAxis::kMinusX:
+      return {-v.z(), v.x(), -v.y()};
+    case UpAxis::kMinusY:
+      return {v.x(), -v.z(), v.y()};
+    case UpAxis::kMinusZ:
+      return {v.x(), -v.y(), -v.z()};
+  }
+  return v;
+}
+
 // Views from all around, from a little above first.
 std::vector<Vector3> views(UpAxis up) {
   std::vector<Vector3> out;
@@ -142,7 +161,7 @@ std::vector<Vector3> views(UpAxis up) {
     for (int turn = 0; turn < 8; ++turn) {
       const double a = (45 * turn - 60) * kDegrees, h = height * kDegrees;
       const Vector3 eye(std::cos(a) * std::cos(h), std::sin(a) * std::cos(h), std::sin(h));
-      out.push_back(up == UpAxis::kZ ? eye : Vector3(eye.x(), eye.z(), -eye.y()));
+      out.push_back(upright(eye, up));
     }
   return out;
 }
@@ -165,7 +184,7 @@ Camera seen_from(const Vector3& eye, Camera c) {
 // One scale for all pictures: whatever the view, the whole model is on it.
 Camera camera_for(const Blueprint& b, const std::vector<Vector3>& all, UpAxis axis, int width, int height) {
   Camera c;
-  c.axis = axis == UpAxis::kZ ? Vector3::UnitZ() : Vector3::UnitY();
+  c.axis = upright(Vector3::UnitZ(), axis);
   Eigen::AlignedBox3d box;
   for (const Vector3& p : b.strips.points) box.extend(p);
   c.middle = box.center(), c.center = Vector2(width, height) / 2;

@@ -6,7 +6,7 @@
 namespace sheetform {
 
 /// The model's axis that points up in the pictures.
-enum class UpAxis { kY, kZ };
+enum class UpAxis { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
 
 /// Adds pages of the given size (mm) with six pictures each: the parts built so far in grey, the new one in
 /// colour with its label, those that it joins with theirs, the numbers of the seams, and what is to come as

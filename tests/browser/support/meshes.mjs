@@ -64,3 +64,18 @@ export function ball(name = "ball.obj", { around = 200, up = 100, wave = 0.12 } 
   }
   return file(name, lines.join("\n"));
 }
+
+/** A strip of a cylinder, decomposed in no time; each `seed` is another mesh. */
+export function strip(name = "strip.obj", seed = 0) {
+  const lines = [];
+  const [along, length] = [12, 60 + seed / 8];
+  for (let i = 0; i <= along; i++) {
+    const angle = (1.8 * i) / along;
+    for (const y of [0, length]) lines.push(`v ${40 * Math.cos(angle)} ${y} ${40 * Math.sin(angle)}`);
+  }
+  for (let i = 0; i < along; i++) {
+    const a = 2 * i + 1;
+    lines.push(`f ${a} ${a + 1} ${a + 3}`, `f ${a} ${a + 3} ${a + 2}`);
+  }
+  return file(name, lines.join("\n"));
+}

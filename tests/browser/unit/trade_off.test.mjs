@@ -1,7 +1,7 @@
 // The curve of results, and the commands that make a result again.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { curve, missingOf, relatives, results, stepOf, sweepOf, sweepTolerances } from "../../../web/src/result/trade_off.js";
+import { curve, finishedOf, missingOf, relatives, results, stepOf, sweepOf, sweepTolerances } from "../../../web/src/result/trade_off.js";
 import { asAsked } from "../../../web/src/variants.js";
 import { askedFor, commands } from "../../../web/src/ui/reproduce.js";
 
@@ -120,6 +120,8 @@ it("knows what a sweep whose time ran out has not found, until another one has",
   assert.deepEqual(missingOf(a, [a, sweep("s", [0.01])]), []);
   assert.equal(stepOf({ message: "tolerance 2 of 5, checking" }), "2 of 5");
   assert.equal(stepOf({ message: "waits" }), "");
+  assert.equal(finishedOf({ message: "tolerance 3 of 5" }), 2);
+  assert.equal(finishedOf({ message: "" }), 0);
 });
 
 it("looks closer only where one has asked for more", () => {

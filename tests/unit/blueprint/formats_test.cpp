@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <cstring>
@@ -291,6 +292,35 @@ TEST(Pdf, TilesCoverTheSheetWithOverlap) {
   EXPECT_EQ(check_pdf(to_pdf(b, profile_named("print"), p)), 2);
   p.page_width = 30;
   EXPECT_THROW(to_pdf(b, profile_named("print"), p), Error);
+}
+
+TEST(Pdf, StepsLookTheSameHoweverTheModelStands) {
+  struct Turn {
+    UpAxis up;
+    Eigen::Matrix3d turn;  // of the model, so that what pointed along z points along `up`
+  };
+  const auto turn = [](UpAxis up, const Vector3& x, const Vector3& y, const Vector3& z) {
+    Eigen::Matrix3d m;
+    m << x, y, z;
+    return Turn{up, m};
+  };
+  const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
+  PdfOptions p;
+  p.cover = false;
+  const StripMesh upright = shapes::torus_pieces(12, 4, 15);
+  const std::string wanted = to_pdf(blueprint_of(upright), profile_named("makerspace"), p);
+  for (const Turn& t :
+       {turn(UpAxis::kX, y, z, x), turn(UpAxis::kY, x, -z, y), turn(UpAxis::kMinusX, y, -z, -x),
+        turn(UpAxis::kMinusY, x, z, -y), turn(UpAxis::kMinusZ, x, -y, -z)}) {
+    EXPECT_EQ(t.turn.determinant(), 1);
+    StripMesh turned = upright;
+    for (Vector3& point : turned.points) point = t.turn * point;
+    const Blueprint b = blueprint_of(turned);
+    p.up = UpAxis::kZ;
+    EXPECT_NE(to_pdf(b, profile_named("makerspace"), p), wanted);
+    p.up = t.up;
+    EXPECT_EQ(to_pdf(b, profile_named("makerspace"), p), wanted) << static_cast<int>(t.up);
+  }
 }
 
 TEST(Pdf, EvilTextsStayText) {

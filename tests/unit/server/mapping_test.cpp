@@ -76,14 +76,16 @@ TEST(Inspect, RefusesWhatHasNoFaces) {
 
 class SweepOfATetrahedron : public ::testing::Test {
  protected:
-  SweepOutcome run(const std::function<void(const SweepStep&)>& after) {
+  SweepOutcome run(const std::function<void(const SweepStep&)>& after,
+                   const std::atomic<bool>* enough = nullptr) {
     api::Json parameters = api::complete_parameters(api::Json::parse(R"({"effort":"draft"})"));
     parameters[api::kTolerance] = {0.03, 0.01, 0.05};
     RunContext context;
-    return run_sweep(kTetrahedron, "t.obj", parameters, {0.03, 0.01, 0.05}, context, [&](SweepStep step) {
+    const auto take = [&](SweepStep step) {
       found_.push_back(step.point);
       after(step);
-    });
+    };
+    return run_sweep(kTetrahedron, "t.obj", parameters, {0.03, 0.01, 0.05}, context, take, enough);
   }
   std::vector<std::string> found_;
 };
@@ -117,6 +119,32 @@ TEST_F(SweepOfATetrahedron, KeepsWhatIsFoundWhenTheTimeIsUp) {
   ASSERT_EQ(outcome.notes.size(), 1u);
   EXPECT_NE(outcome.notes[0].find("2 of 3"), std::string::npos);
   EXPECT_EQ(api::Json::parse(outcome.files[1].content).at("missing"), api::Json({0.05}));
+}
+
+TEST_F(SweepOfATetrahedron, KeepsWhatIsFoundWhenThatIsEnough) {
+  std::atomic<bool> enough{false};
+  const auto cancelled = [&](const SweepStep&) {
+    enough = true;
+    throw Error(ErrorCode::kCancelled, "enough");
+  };
+  const SweepOutcome outcome = run(cancelled, &enough);
+  EXPECT_TRUE(outcome.stopped);
+  EXPECT_EQ(outcome.curve.size(), 1u);
+  EXPECT_EQ(outcome.missing, (std::vector<double>{0.03, 0.05}));
+  ASSERT_EQ(outcome.notes.size(), 1u);
+  EXPECT_NE(outcome.notes[0].find("stopped after 1 of 3"), std::string::npos);
+}
+
+TEST_F(SweepOfATetrahedron, IsWholeWhenEnoughComesWithTheLastPoint) {
+  const std::atomic<bool> enough{true};
+  const auto at_the_end = [](const SweepStep& step) {
+    if (step.point == "0.05") throw Error(ErrorCode::kCancelled, "enough");
+  };
+  const SweepOutcome outcome = run(at_the_end, &enough);
+  EXPECT_FALSE(outcome.stopped);
+  EXPECT_EQ(outcome.curve.size(), 3u);
+  EXPECT_TRUE(outcome.missing.empty());
+  EXPECT_TRUE(outcome.notes.empty());
 }
 
 TEST_F(SweepOfATetrahedron, FailsWhenNothingIsFoundInTimeOrForAnotherReason) {

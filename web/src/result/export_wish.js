@@ -3,8 +3,8 @@
 /** Offered first; all others are folded away. */
 export const FIRST = ["profile", "sheet_size", "oversize", "page", "kerf", "rulings", "tabs"];
 
-/** Chosen elsewhere on the page: a sheet in the preview, a part in the list of parts. */
-const ELSEWHERE = new Set(["sheet", "part"]);
+/** Chosen elsewhere on the page: a sheet in the preview, a part in the list of parts, what is up in the 3D view. */
+const ELSEWHERE = new Set(["sheet", "part", "up"]);
 
 const TITLES = {
   profile: "Machine",
@@ -16,7 +16,6 @@ const TITLES = {
   oversize: "If a part is larger",
   bar: "100 mm bar",
   model_size: "Size of the model",
-  up: "Axis that points up",
 };
 
 const GROUPS = { sheet: "Sheets", marks: "Marks", joints: "Joints and material", file: "Files" };

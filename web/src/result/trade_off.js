@@ -10,11 +10,18 @@ export const sweepTolerances = (job) => (job.parameters?.e_max < 0.008 ? [...SWE
 
 export const isSweep = (job) => job.processID === "sweep";
 
+const families = new WeakMap(); // of jobs: every event compares all of them
+
 /**
  * What makes two jobs comparable: the mesh, its size however it was asked for, and all parameters but the tolerance, the
  * effort and the seed.
  */
 function family(job) {
+  if (!families.has(job)) families.set(job, familyOf(job));
+  return families.get(job);
+}
+
+function familyOf(job) {
   const { e_max, e_max_mm, effort, seed, target_size, scale, ...rest } = job.parameters ?? {};
   void [e_max, e_max_mm, effort, seed, target_size];
   const { sha256, scale: inForce = scale ?? 1 } = job.inputs?.mesh ?? {};
@@ -88,13 +95,16 @@ export function sweepOf(job, all) {
   return relatives(job, all).find((other) => isSweep(other) && good.has(other.status)) ?? null;
 }
 
-/** Tolerances of sweeps whose time ran out that no other sweep has found. */
+/** Tolerances of sweeps that ended early which no other sweep has found. */
 export function missingOf(job, all) {
   const sweeps = relatives(job, all).filter((other) => isSweep(other) && other.status === "successful");
   const found = new Set(sweeps.flatMap((sweep) => (sweep.report?.curve ?? []).map(({ e_max }) => e_max)));
   const missing = new Set(sweeps.flatMap((sweep) => sweep.report?.missing ?? []));
   return [...missing].filter((e_max) => !found.has(e_max)).sort((a, b) => b - a);
 }
+
+/** How many of its points are finished while it runs. */
+export const finishedOf = (sweep) => Math.max(0, Number.parseInt(stepOf(sweep) || "1", 10) - 1);
 
 /** How far a sweep has come, in words: "2 of 5"; empty as long as it does not say so. */
 export const stepOf = (sweep) => /tolerance (\d+ of \d+)/.exec(sweep.message ?? "")?.[1] ?? "";

@@ -13,11 +13,12 @@ const PAUSE = 350; // milliseconds without a change before the sheets are drawn 
 const QUICK = ["svg", "dxf", "pdf", "zip"];
 const ENDING = { "parts-svg": "svg", "parts-dxf": "dxf", frame: "stl", "parts-json": "json", "parts-csv": "csv" };
 
-export function exportPanel({ job, model, material, stops }) {
-  const panel = new ExportPanel({ job, model, material });
+/** @param up() the axis that points up in the 3D view: in pictures of the files, too */
+export function exportPanel({ job, model, material, up, stops }) {
+  const panel = new ExportPanel({ job, model, material, up });
   stops.push(() => panel.dispose());
   panel.start();
-  return panel.element;
+  return panel;
 }
 
 class ExportPanel {
@@ -55,6 +56,7 @@ class ExportPanel {
   }
 
   changed() {
+    if (!this.form) return; // the server has not yet said what can be made
     remember(this.memory, toRemember(this.values));
     this.sheet = 1;
     clearTimeout(this.timer);
@@ -66,7 +68,8 @@ class ExportPanel {
 
   href(format, more = {}) {
     const { href } = this.formats.find((one) => one.format === format);
-    return hrefOf(href, queryOfWish(this.parameters, this.values, more));
+    const up = this.up() ?? "z";
+    return hrefOf(href, queryOfWish(this.parameters, this.values, up === "z" ? more : { up, ...more }));
   }
 
   /** Asks for the list of parts first: it says how many sheets there are, or what is wrong with the choice. */

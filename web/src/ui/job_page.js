@@ -2,11 +2,11 @@
 import { getGuides, getInput, getJob } from "../api.js";
 import { announce, h, replace } from "../dom.js";
 import { drafts, guessUp } from "../drafts.js";
-import { count, duration, millimetres } from "../format.js";
+import { count, duration, extent } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
-import { recall } from "../prefs.js";
-import { isSweep, stepOf } from "../result/trade_off.js";
+import { knownOf, rememberOf } from "../prefs.js";
+import { finishedOf, isSweep, stepOf } from "../result/trade_off.js";
 import { asAsked, scaleOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
@@ -15,6 +15,7 @@ import { problemBox } from "./problem.js";
 import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
 import { sweepView } from "./sweep_view.js";
+import { stopButton, wordsOfStop } from "./trade_off_chart.js";
 
 export function jobPage({ go, stage, process, id }) {
   const panel = h("section", { class: "panel", "aria-label": "Job" });
@@ -35,6 +36,7 @@ class JobPage {
 
   async start() {
     this.stage.clear("");
+    jobs.open = this.id;
     this.stop = jobs.onChange(() => this.update());
     if (!jobs.get(this.id)) {
       replace(this.panel, h("p", { class: "busy" }, "Asking the server …"));
@@ -63,6 +65,7 @@ class JobPage {
     for (const stop of [this.stop, ...(this.stops ?? [])]) stop?.();
     this.result?.dispose();
     clearInterval(this.clock);
+    if (jobs.open === this.id) jobs.open = null;
     this.gone = true;
   }
 
@@ -103,7 +106,11 @@ class JobPage {
   }
 
   up(mesh) {
-    return recall("jobs", {})[this.id]?.up ?? guessUp(mesh);
+    return knownOf(this.id).up ?? guessUp(mesh);
+  }
+
+  rememberUp(up) {
+    rememberOf(this.id, { up });
   }
 
   /** The uploaded mesh, read once; null when it cannot be had. */
@@ -122,6 +129,7 @@ class JobPage {
     this.stage.showInput(mesh, {
       up: this.up(mesh),
       scale: scaleOf(job),
+      onUp: (up) => this.rememberUp(up),
       places: placesOf(job.exception, mesh),
       guides: new Guides(guides),
     });
@@ -138,7 +146,7 @@ class JobPage {
     heading.textContent = waiting
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
-        : "Starts in a moment"
+        : "Waits: next in line"
       : isSweep(job)
         ? `Comparing tolerances ${stepOf(job)}`
         : "Making the sheets";
@@ -153,7 +161,9 @@ class JobPage {
       item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
       item.toggleAttribute("aria-current", !waiting && k === done);
     });
-    replace(facts, factsOf(job));
+    if (facts.textContent !== (factsOf(job)?.textContent ?? "")) replace(facts, factsOf(job));
+    this.progress.keep.hidden = waiting || finishedOf(job) === 0;
+    this.progress.keep.textContent = wordsOfStop(job);
     if (!this.progress.element.isConnected) replace(this.panel, this.progress.element);
   }
 
@@ -163,6 +173,8 @@ class JobPage {
     const times = h("p", { class: "hint times" });
     const heading = h("h2", {});
     const facts = h("div", {});
+    const note = h("div", {});
+    const keep = stopButton(jobs.get(this.id), note, "");
     const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
     const cancel = h(
       "button",
@@ -174,7 +186,7 @@ class JobPage {
           try {
             await jobs.dismiss(this.id);
           } catch (error) {
-            replace(facts, problemBox(error));
+            replace(note, problemBox(error));
           }
           cancel.disabled = false;
         },
@@ -187,10 +199,12 @@ class JobPage {
       heading,
       h("div", { class: "percent-row" }, percentText, times),
       h("div", { class: "row bar-row" }, bar, cancel),
+      keep,
       h("ol", { class: "stages" }, stages),
       facts,
+      note,
     );
-    return { element, bar, percentText, times, stages, heading, facts };
+    return { element, bar, percentText, times, stages, heading, facts, keep };
   }
 
   showEnded(job) {
@@ -237,7 +251,7 @@ class JobPage {
       const name = job.inputs?.mesh?.name || "mesh.obj";
       const [mesh, guides] = await Promise.all([getInput(this.id), getGuides(job)]);
       const file = new File([mesh], name);
-      const { up, material } = recall("jobs", {})[this.id] ?? {};
+      const { up, material } = knownOf(this.id);
       const { e_max, scale, ...values } = { ...asAsked(job), ...change };
       // Of a sweep, which has many tolerances, none is taken over.
       drafts.open([file], { tag: job.tag, scale, guides, values: isSweep(job) ? values : { ...values, e_max } });
@@ -265,7 +279,8 @@ class JobPage {
       work: this.element,
       mesh: () => this.mesh(),
       up: (mesh) => this.up(mesh),
-      material: recall("jobs", {})[this.id]?.material,
+      onUp: (up) => this.rememberUp(up),
+      material: knownOf(this.id).material,
       go: this.go,
       runAgain: (change) => this.runAgain(job, change),
       remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
@@ -278,7 +293,7 @@ class JobPage {
 export function factsOf(job) {
   const mesh = job.inputs?.mesh;
   if (!mesh) return null;
-  const size = mesh.sizeMm?.map((value) => millimetres(value)).join(" × ");
+  const size = mesh.sizeMm && extent(...mesh.sizeMm);
   return h(
     "p",
     { class: "hint" },

@@ -166,7 +166,7 @@ function seamDetail(model, stage, id) {
     { class: "detail-card" },
     h("h2", {}, `${seam.border ? "Edge" : "Seam"} ${seam.name}`),
     join,
-    h("p", { class: "hint" }, `${millimetres(seam.length)} long on both sides.`),
+    h("p", { class: "hint" }, `${millimetres(seam.length)} long${seam.border ? "" : " on both sides"}.`),
   );
 }
 

@@ -3,6 +3,7 @@ import { queryOf } from "../api.js";
 import { announce, h } from "../dom.js";
 import { percent } from "../format.js";
 import { jobs } from "../jobs.js";
+import { materialOf } from "../materials.js";
 import { isSweep } from "../result/trade_off.js";
 
 /** Parameters of a job that differ from the defaults of the schema, as [name, value] pairs. */
@@ -43,15 +44,23 @@ export function commands(job, process, origin, sweep = null) {
   };
 }
 
-export function reproduce(job, process) {
+/** The address, and what of the view goes with it: whoever opens it elsewhere sees the same. */
+export function linkOf({ up, material }) {
+  const more = new URLSearchParams(Object.entries({ up, material }).filter(([, value]) => value));
+  return `${location.href.split("?")[0]}?${more}`;
+}
+
+export function reproduce(job, process, { up, material }) {
   const source = job.reusedFrom ? jobs.get(job.reusedFrom) : null;
   const sweep = source && isSweep(source) ? source : null;
+  const address = () => linkOf({ up: up(), material: material ?? materialOf().id });
+  const link = copyRow("Link to this result", address());
   const { guides, terminal, curl } = commands(job, process, location.origin, sweep);
   return h(
     "details",
-    { class: "more" },
+    { class: "more", ontoggle: () => (link.querySelector("code").textContent = address()) },
     h("summary", {}, "Make it again"),
-    copyRow("Link to this result", location.href),
+    link,
     guides && [
       h(
         "p",
@@ -84,7 +93,7 @@ function copyRow(title, text) {
       class: "small right",
       onclick: async () => {
         try {
-          await navigator.clipboard.writeText(text);
+          await navigator.clipboard.writeText(code.textContent);
           button.textContent = "Copied";
           announce("Copied");
         } catch {

@@ -83,7 +83,14 @@ export class ResultView {
   show() {
     const { model, stage, job } = this;
     const material = materialOf(this.material);
-    stage.showResult(model, { up: this.up({ format: job.inputs?.mesh?.format ?? "obj" }), mesh: null });
+    stage.showResult(model, {
+      up: this.up({ format: job.inputs?.mesh?.format ?? "obj" }),
+      mesh: null,
+      onUp: (up) => {
+        this.onUp(up);
+        this.exports?.changed();
+      },
+    });
     const controls = viewControls({ stage, model, mesh: this.mesh, material });
     replace(stage.bottom, controls.element);
     this.stops.push(controls.dispose);
@@ -116,8 +123,8 @@ export class ResultView {
         h(
           "div",
           { class: "tab-pane" },
-          exportPanel({ job, model, material, stops: this.stops }),
-          h("div", {}, downloads(this.files), reproduce(job, this.process)),
+          (this.exports = exportPanel({ job, model, material, up: () => stage.up, stops: this.stops })).element,
+          h("div", {}, downloads(this.files), reproduce(job, this.process, { up: () => stage.up, material: this.material })),
         ),
     };
     this.showTabs(panes);

@@ -5,7 +5,7 @@ import { drafts, extents } from "../drafts.js";
 import { bytes, count, millimetres } from "../format.js";
 import { jobs } from "../jobs.js";
 import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
-import { keepPicture, recall, remember } from "../prefs.js";
+import { keepPicture, recall, remember, rememberOf } from "../prefs.js";
 import { placesOf } from "../result/places.js";
 import { guideList } from "./draw_tools.js";
 import { icon } from "./icons.js";
@@ -39,6 +39,7 @@ export function setupPage({ go, stage, process }) {
         drawing: process.inputs.guides !== undefined,
         onUp: (up) => {
           draft.up = up;
+          page.size?.setUp(up);
         },
       });
       shown = draft.mesh;
@@ -108,6 +109,8 @@ function showPanel(page, draft) {
     page.drawn.update();
     refresh();
   });
+  page.size = size;
+  size.setUp(draft.up);
   const form = new SchemaForm(page.process, { own: OWN, values: draft.values, onChange: () => showSend() });
   page.drawn = guideList(
     draft.guides,
@@ -147,22 +150,19 @@ function showPanel(page, draft) {
 
 function fileList() {
   if (drafts.list.length < 2) return null;
+  const chips = drafts.list.map((draft, k) =>
+    h(
+      "button",
+      { type: "button", class: "chip", "aria-pressed": String(k === drafts.current), onclick: () => drafts.select(k) },
+      draft.error && icon("warn", 16),
+      draft.name,
+    ),
+  );
   return h(
     "div",
-    { class: "files", role: "group", "aria-label": "Files" },
-    drafts.list.map((draft, k) =>
-      h(
-        "button",
-        {
-          type: "button",
-          class: "chip",
-          "aria-pressed": String(k === drafts.current),
-          onclick: () => drafts.select(k),
-        },
-        draft.error && icon("warn", 16),
-        draft.name,
-      ),
-    ),
+    { class: "files-open" },
+    h("div", { class: "files", role: "group", "aria-label": "Files" }, chips),
+    h("p", { class: "hint" }, "Each has its own size and drawing; material and settings are those of all."),
   );
 }
 
@@ -207,7 +207,7 @@ function materialCards(draft, onChange) {
           value: material.id,
           checked: material.id === draft.material,
           onchange: () => {
-            draft.material = material.id;
+            for (const each of drafts.list) each.material = material.id;
             draft.values.e_max = material.tolerance;
             remember("material", material.id);
             onChange();
@@ -320,11 +320,7 @@ async function start(page, ready, form, place, change) {
 
 /** What only this device knows of a job: material and up axis. */
 function rememberJob(id, draft) {
-  const all = recall("jobs", {});
-  all[id] = { material: draft.material, up: draft.up };
-  const ids = Object.keys(all);
-  for (const old of ids.slice(0, Math.max(0, ids.length - 300))) delete all[old];
-  remember("jobs", all);
+  rememberOf(id, { material: draft.material, up: draft.up });
 }
 
 /** Size and tolerance belong to one mesh; the rest is offered again for the next. */

@@ -52,8 +52,17 @@ export function sizeField(draft, units, onChange) {
   write(null);
   /** Makes the longest side so many millimetres. */
   const setLongest = (mm) => setScale(mm / Math.max(...sizes), null);
+  /** Marks the side that is the height. */
+  const names = AXES.map((axis) => h("span", { "aria-hidden": "true" }, axis));
+  const setUp = (up) =>
+    names.forEach((name, k) => {
+      const height = up.endsWith(AXES[k]);
+      name.textContent = height ? `${AXES[k]} ↕` : AXES[k];
+      name.parentElement.classList.toggle("height", height);
+    });
   return {
     setLongest,
+    setUp,
     element: h(
       "div",
       { class: "size" },
@@ -67,7 +76,7 @@ export function sizeField(draft, units, onChange) {
         "div",
         { class: "sizes" },
         inputs.map((input, k) =>
-          h("label", { class: `axis axis-${AXES[k]}` }, h("span", { "aria-hidden": "true" }, AXES[k]), input),
+          h("label", { class: `axis axis-${AXES[k]}`, title: `Size along ${AXES[k]}; ↕ is the height` }, names[k], input),
         ),
         h("span", { class: "unit", "aria-hidden": "true" }, "mm"),
       ),

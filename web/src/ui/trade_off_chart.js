@@ -2,7 +2,7 @@
 import { freshId, h, replace, s } from "../dom.js";
 import { count, metres, millimetres, percent } from "../format.js";
 import { ACTIVE, jobs } from "../jobs.js";
-import { COSTS, curve, missingOf, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
+import { COSTS, curve, finishedOf, missingOf, relatives, stepOf, sweepOf, sweepTolerances } from "../result/trade_off.js";
 import { startSweep } from "../variants.js";
 import { problemBox } from "./problem.js";
 
@@ -14,16 +14,21 @@ export function tradeOff(job, scale, stops) {
   const note = h("div", {});
   let sending = false;
   let measure = "parts";
+  let drawn = [];
+  /** Draws anew only what concerns this mesh: what others do shall not take a point from under the pointer. */
   const update = () => {
-    const all = jobs.newestFirst();
     const mine = jobs.get(job.jobID) ?? job;
+    const all = relatives(mine, jobs.newestFirst());
+    const now = [measure, sending, ...all];
+    if (now.length === drawn.length && now.every((part, k) => part === drawn[k])) return;
+    drawn = now;
     const focus = document.activeElement?.getAttribute?.("href");
     const held = chart.contains(document.activeElement);
     replace(chart, draw(curve(mine, all, measure), mine, scale, measure));
     if (held) chart.querySelector(`a[href="${focus}"]`)?.focus();
     const sweep = sweepOf(mine, all);
     const missing = missingOf(mine, all);
-    if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep);
+    if (sweep && ACTIVE.has(sweep.status)) showProgress(controls, sweep, note);
     else if (missing.length > 0) replace(controls, missingButton(missing, diagonalOf(mine, scale), sending, start));
     else if (sweep) replace(controls, h("p", { class: "hint" }, "Every point is a result. Choose one to see it."));
     else replace(controls, startButton(sweepTolerances(mine), sending, start));
@@ -68,12 +73,12 @@ function startButton(tolerances, sending, start) {
   ];
 }
 
-/** The time of a sweep ran out: what it found is there, the rest can be asked for. */
+/** A sweep ended early, by wish or because its time ran out: what it found is there, the rest can be asked for. */
 function missingButton(missing, diagonal, sending, start) {
   const words = missing.map((e_max) => (diagonal ? millimetres(e_max * diagonal) : percent(e_max)));
   const rest = [words.slice(0, -1).join(", "), words.at(-1)].filter(Boolean).join(" and ");
   return [
-    h("p", {}, `Time ran out before ${rest} ${missing.length === 1 ? "was" : "were"} looked at. Every point shown is complete.`),
+    h("p", { class: "hint" }, `Every point is a result. Not made: ${rest}.`),
     h(
       "button",
       { type: "button", disabled: sending, onclick: () => start(missing) },
@@ -83,24 +88,37 @@ function missingButton(missing, diagonal, sending, start) {
 }
 
 /** The bar stays the same element while it grows. */
-function showProgress(controls, sweep) {
-  const bar = controls.querySelector("progress");
-  const text = `Comparing tolerances … ${stepOf(sweep)}`;
-  if (bar) {
-    bar.value = sweep.progress;
-    controls.querySelector(".busy").textContent = text;
-    return;
+function showProgress(controls, sweep, note) {
+  let bar = controls.querySelector("progress");
+  if (!bar) {
+    bar = h("progress", { max: "100", "aria-label": "Comparing tolerances" });
+    replace(controls, h("p", { class: "busy" }), h("div", { class: "row sweeping" }, bar), stopButton(sweep, note));
   }
-  replace(
-    controls,
-    h("p", { class: "busy" }, text),
-    h(
-      "div",
-      { class: "row sweeping" },
-      h("progress", { max: "100", value: sweep.progress, "aria-label": "Comparing tolerances" }),
-      h("button", { type: "button", class: "small", onclick: () => jobs.dismiss(sweep.jobID) }, "Stop"),
-    ),
-  );
+  bar.value = sweep.progress;
+  controls.querySelector(".busy").textContent = `Comparing tolerances … ${stepOf(sweep)}`;
+  controls.querySelector(".stop").textContent = wordsOfStop(sweep);
+}
+
+/** What a stop would do, said before: points that are finished are kept. */
+export function wordsOfStop(sweep) {
+  const done = finishedOf(sweep);
+  return done > 0 ? `Stop, keep the ${done === 1 ? "one" : done} finished` : "Stop";
+}
+
+/** Stops a sweep: with what it has found, or, when that is nothing, for good. */
+export function stopButton(sweep, note, look = "small") {
+  const stop = async () => {
+    const now = jobs.get(sweep.jobID) ?? sweep;
+    button.disabled = true;
+    try {
+      await (finishedOf(now) > 0 ? jobs.finish(now.jobID) : jobs.dismiss(now.jobID));
+    } catch (error) {
+      button.disabled = false;
+      replace(note, problemBox(error));
+    }
+  };
+  const button = h("button", { type: "button", class: `stop ${look}`, onclick: stop }, wordsOfStop(sweep));
+  return button;
 }
 
 function measures(choose) {

@@ -112,6 +112,8 @@ export function viewControls({ stage, model, mesh, material }) {
   const choose = async (id) => {
     state.color = id;
     showParts();
+    // What concerns the sheets does nothing while the mesh is shown in their place.
+    for (const row of ofSheets) row.disabled = id === "error" || id === "tilt";
     await colors[id]();
     draw();
   };
@@ -133,6 +135,16 @@ export function viewControls({ stage, model, mesh, material }) {
     ),
   );
   draw();
+  const ofSheets = [
+    h(
+      "fieldset",
+      { class: "toggles", "aria-label": "Shown" },
+      toggle("seams", "Seams"),
+      toggle("rulings", "Bend lines"),
+      toggle("original", "Your mesh"),
+    ),
+    h("fieldset", { class: "control-row", "aria-label": "Pose" }, apart.element, fold.element, play),
+  ];
   const element = h(
     "div",
     { class: "view-controls" },
@@ -141,15 +153,9 @@ export function viewControls({ stage, model, mesh, material }) {
       "div",
       { class: "control-row" },
       segments,
-      h(
-        "div",
-        { class: "toggles" },
-        toggle("seams", "Seams"),
-        toggle("rulings", "Bend lines"),
-        toggle("original", "Your mesh"),
-      ),
+      ofSheets[0],
     ),
-    h("div", { class: "control-row" }, apart.element, fold.element, play),
+    ofSheets[1],
   );
   /** Colours as if chosen here. */
   const show = (id) => {
@@ -188,40 +194,59 @@ async function comparison(stage, model) {
   const vertices = Float64Array.from(mesh.positions, (value, k) => value + shift[k % 3]);
   const faces = Uint32Array.from(model.parts.flatMap((part) => Array.from(part.triangles)));
   const { distances, tilts } = await compareWith(vertices, mesh.indices, model.position, faces);
-  const { input = {}, parameters = {} } = model.layout;
-  const limit = (parameters.e_max ?? 0) * (input.bbox_diagonal ?? 0) * model.scale;
-  const worst = (values) => values.reduce((best, value, v) => (value > values[best] ? v : best), 0);
-  const heat = (values, least, words) => {
-    const at = worst(values);
-    return {
-      values,
-      place: Array.from(mesh.positions.slice(3 * at, 3 * at + 3)),
-      full: Math.max(least, values[at]),
-      ...words(values[at]),
-    };
-  };
   model.comparison = {
-    error: heat(
+    error: errorHeat(
       distances.map((value) => value * model.scale),
-      limit,
-      (most) => ({
-        title: "Distance of your mesh to the sheets",
-        unit: millimetres,
-        text: `Worst place (marked): ${millimetres(most)}. Allowed: ${millimetres(limit)}.`,
-      }),
+      mesh,
+      model.layout,
+      model.scale,
     ),
-    tilt: heat(tilts, 30, (most) => ({
-      title: "Tilt of the sheets against your mesh",
-      unit: degrees,
-      text: `Largest (marked): ${degrees(most)}. High values show where light will fall differently.`,
-    })),
+    tilt: tiltHeat(tilts, mesh),
   };
   return model.comparison;
 }
 
+const worstOf = (values) => values.reduce((best, value, v) => (value > values[best] ? v : best), 0);
+const pointOf = (mesh, v) => Array.from(mesh.positions.slice(3 * v, 3 * v + 3));
+
+/**
+ * Colours are distances of the mesh's vertices to the sheets; the worst place is the server's, who looked between the
+ * vertices, and the other way round, too (older results do not tell it).
+ */
+function errorHeat(values, mesh, { input = {}, parameters = {}, report = {} }, scale) {
+  const mm = (fraction) => (fraction ?? 0) * (input.bbox_diagonal ?? 0) * scale;
+  const at = worstOf(values);
+  const told = report.worst_place;
+  const most = told ? mm(report.hausdorff) : values[at];
+  const side = told && report.result_to_input > report.input_to_result ? " from a sheet to your mesh" : "";
+  return {
+    values,
+    place: told ? told.map((value, axis) => value - mesh.center[axis]) : pointOf(mesh, at),
+    full: Math.max(mm(parameters.e_max), most),
+    title: "Distance of your mesh to the sheets",
+    unit: millimetres,
+    text: `Worst place (marked): ${millimetres(most)}${side}. Allowed: ${millimetres(mm(parameters.e_max))}.`,
+  };
+}
+
+/** The scale ends where few values lie above: a single fold in the mesh shall not hide all the rest. */
+function tiltHeat(values, mesh) {
+  const at = worstOf(values);
+  const full = Math.max(30, Float64Array.from(values).sort()[Math.floor(0.98 * (values.length - 1))]);
+  return {
+    values,
+    place: pointOf(mesh, at),
+    full,
+    over: values[at] > full,
+    title: "Tilt of the sheets against your mesh",
+    unit: degrees,
+    text: `Largest (marked): ${degrees(values[at])}. High values show where light will fall differently.`,
+  };
+}
+
 const degrees = (value) => `${Math.round(value)}°`;
 
-function showLegend(legend, { title, full, unit, text }) {
+function showLegend(legend, { title, full, over = false, unit, text }) {
   const canvas = h("canvas", { width: 200, height: 8, class: "ramp", "aria-hidden": "true" });
   const context = canvas.getContext("2d");
   for (let x = 0; x < 200; x++) {
@@ -233,7 +258,7 @@ function showLegend(legend, { title, full, unit, text }) {
     legend,
     h("strong", {}, title),
     canvas,
-    h("div", { class: "slider-ends" }, h("span", {}, unit(0)), h("span", {}, unit(full))),
+    h("div", { class: "slider-ends" }, h("span", {}, unit(0)), h("span", {}, over ? `${unit(full)} and more` : unit(full))),
     h("span", { class: "hint" }, text),
   );
   legend.hidden = false;

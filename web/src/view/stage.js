@@ -14,6 +14,8 @@ import { ResultObject } from "./result_object.js";
 import { onThemeChange } from "./theme.js";
 import { Viewport } from "./viewport.js";
 
+const UP = ["z", "y", "x", "-z", "-y", "-x"];
+
 export class Stage {
   constructor() {
     this.view3d = h("div", { class: "view3d" });
@@ -161,21 +163,7 @@ export class Stage {
     this.drawTools?.update();
     if (!this.input || this.result) return;
     const sizes = extents(this.input.mesh);
-    const { box, center } = this.input.mesh;
-    const corner = box.max.map((high, axis) => high - center[axis]);
-    const low = box.min.map((value, axis) => value - center[axis]);
-    const places =
-      this.up === "z"
-        ? [
-            [0, low[1], low[2]],
-            [corner[0], 0, low[2]],
-            [low[0], low[1], 0],
-          ]
-        : [
-            [0, low[1], corner[2]],
-            [low[0], 0, corner[2]],
-            [corner[0], low[1], 0],
-          ];
+    const places = this.viewport.edges(sizes.map((size) => size / 2));
     this.marked = ["x", "y", "z"].map((axis, k) => ({
       at: places[k],
       element: h("span", { class: `size-label axis-${axis}` }, millimetres(sizes[k] * scale)),
@@ -190,21 +178,18 @@ export class Stage {
   /** Buttons that every view has. */
   viewTools(onUp) {
     const up = h(
-      "button",
+      "select",
       {
-        type: "button",
-        class: "tool",
-        title: "Lies on its side? Choose the axis that points up",
-        onclick: () => {
-          this.up = this.up === "z" ? "y" : "z";
+        "aria-label": "Which way is up",
+        onchange: () => {
+          this.up = up.value;
           this.viewport.setUp(this.up);
           this.setScale(this.scale);
-          up.lastChild.textContent = `Up: ${this.up}`;
+          this.viewport.home();
           onUp?.(this.up);
         },
       },
-      icon("cube", 18),
-      h("span", {}, `Up: ${this.up}`),
+      UP.map((axis) => h("option", { value: axis, selected: axis === this.up }, `${axis.replace("-", "−")} up`)),
     );
     const fit = h(
       "button",
@@ -221,7 +206,7 @@ export class Stage {
       },
       icon("fit", 18),
     );
-    return [fit, up];
+    return [fit, h("label", { class: "tool up", title: "Lies on its side? Choose the axis that points up" }, icon("cube", 18), up)];
   }
 
   placeLabels() {

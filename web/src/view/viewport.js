@@ -97,11 +97,26 @@ export class Viewport {
     });
   }
 
-  /** Which axis of the model points up: "y" or "z". */
+  /** Which axis of the model points up: "x", "y", "z", or one of them with a minus. */
   setUp(axis) {
-    this.root.rotation.x = axis === "z" ? -Math.PI / 2 : 0;
+    const quarter = Math.PI / 2;
+    const turns = { x: [0, quarter], y: [0, 0], z: [-quarter, 0], "-x": [0, -quarter], "-y": [2 * quarter, 0], "-z": [quarter, 0] };
+    const [x, z] = turns[axis] ?? turns.z;
+    this.root.rotation.set(x, 0, z);
     this.root.updateMatrixWorld(true);
     this.draw();
+  }
+
+  /** Places on a box of the model, given by half its sides, for the size along each axis: in front, where one looks. */
+  edges(half) {
+    const turned = new Vector3(...half).applyQuaternion(this.root.quaternion);
+    const [x, y, z] = turned.toArray().map(Math.abs);
+    const back = this.root.quaternion.clone().invert();
+    return [0, 1, 2].map((axis) => {
+      const along = new Vector3().setComponent(axis, 1).applyQuaternion(this.root.quaternion).toArray().map(Math.abs);
+      const at = along[1] > 0.5 ? [-x, 0, z] : along[0] > 0.5 ? [0, -y, z] : [x, -y, 0];
+      return new Vector3(...at).applyQuaternion(back).toArray();
+    });
   }
 
   /** Shows everything within `radius` of `center` (of the model), keeping the direction of view. */
