@@ -30,6 +30,7 @@ constexpr double kMeasured = 0.998;
 constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
+constexpr double kHopeless = 1.5;  // the same of a whole result: another search would not meet it either
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
@@ -223,10 +224,33 @@ class ComponentRun {
     in_all_lanes([](LayoutSearch& search) { search.insert(); });
     laps_.lap(Stage::kInsert);
     in_all_lanes([this](LayoutSearch& search) { reduce(search); });
-    lane_ = &*std::min_element(lanes_.begin(), lanes_.end(), [](Lane& a, Lane& b) {
-      return a.search().objective() < b.search().objective();
-    });
-    LayoutSearch& search = lane_->search();
+    std::vector<Lane*> order;
+    for (Lane& lane : lanes_) order.push_back(&lane);
+    std::stable_sort(order.begin(), order.end(),
+                     [](Lane* a, Lane* b) { return a->search().objective() < b->search().objective(); });
+    // Where the better one misses the tolerance by little, or has no valid strips, the other may do.
+    ComponentResult best;
+    for (Lane* lane : order) {
+      lane_ = lane;
+      complete(lane->search());
+      if (best.strips.patches.empty() || rank_of(result_) < rank_of(best)) std::swap(best, result_);
+      best.counts += std::exchange(result_, {}).counts;
+      if (!best.strips.patches.empty() && (best.miss <= 1 || best.miss > kHopeless)) break;
+    }
+    if (best.strips.patches.empty())
+      throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
+    best.seconds = laps_.take();
+    for (Lane& lane : lanes_) best.counts += lane.search().evaluator().counts();
+    return best;
+  }
+
+  // The tolerance first, then parts; a result without strips last.
+  static std::tuple<bool, double, std::size_t> rank_of(const ComponentResult& r) {
+    return {r.strips.patches.empty(), std::max(r.miss - 1, 0.0), r.strips.patches.size()};
+  }
+
+  // Fills result_ from what a lane has found; without strips when none are valid.
+  void complete(LayoutSearch& search) {
     improve(search);
     if (input_.half) search.straighten_plane();
     laps_.lap(Stage::kRemove);
@@ -234,9 +258,6 @@ class ComponentRun {
     const bool asked_for = params_.spacing.any() || !input_.guide.empty();
     if (!asked_for) drop_flat_rulings(result_.strips);
     laps_.lap(Stage::kFinal);
-    result_.seconds = laps_.take();
-    for (Lane& lane : lanes_) result_.counts += lane.search().evaluator().counts();
-    return std::exchange(result_, {});
   }
 
   // Points of the input that the working mesh misses by more than a small share of the tolerance.
@@ -308,7 +329,6 @@ class ComponentRun {
       }
       if (round < 6 && params_.evaluation.t_junctions) search.remove_arches();
     }
-    if (!have_best) throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
   }
 
   // Fine outlines bend more smoothly, with few points where no rulings end; even and coarser ones, as the
