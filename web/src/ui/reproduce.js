@@ -50,15 +50,17 @@ export function linkOf({ up, material }) {
   return `${location.href.split("?")[0]}?${more}`;
 }
 
+/** changed(): another way is up, which the link tells. */
 export function reproduce(job, process, { up, material }) {
   const source = job.reusedFrom ? jobs.get(job.reusedFrom) : null;
   const sweep = source && isSweep(source) ? source : null;
   const address = () => linkOf({ up: up(), material: material ?? materialOf().id });
   const link = copyRow("Link to this result", address());
   const { guides, terminal, curl } = commands(job, process, location.origin, sweep);
-  return h(
+  const changed = () => (link.querySelector("code").textContent = address());
+  const element = h(
     "details",
-    { class: "more", ontoggle: () => (link.querySelector("code").textContent = address()) },
+    { class: "more" },
     h("summary", {}, "Make it again"),
     link,
     guides && [
@@ -83,6 +85,7 @@ export function reproduce(job, process, { up, material }) {
         " …",
       ),
   );
+  return { element, changed };
 }
 
 function copyRow(title, text) {

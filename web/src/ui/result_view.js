@@ -89,6 +89,7 @@ export class ResultView {
       onUp: (up) => {
         this.onUp(up);
         this.exports?.changed();
+        this.again?.changed();
       },
     });
     const controls = viewControls({ stage, model, mesh: this.mesh, material });
@@ -124,7 +125,12 @@ export class ResultView {
           "div",
           { class: "tab-pane" },
           (this.exports = exportPanel({ job, model, material, up: () => stage.up, stops: this.stops })).element,
-          h("div", {}, downloads(this.files), reproduce(job, this.process, { up: () => stage.up, material: this.material })),
+          h(
+            "div",
+            {},
+            downloads(this.files),
+            (this.again = reproduce(job, this.process, { up: () => stage.up, material: this.material })).element,
+          ),
         ),
     };
     this.showTabs(panes);
