@@ -140,6 +140,7 @@ bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_
   if (viable_region(network_.network(), faces) && region_fits(faces)) return true;
   take_shape(std::move(before));
   places_ = std::move(places);
+  layout_valid_ = true;  // it was not made anew
   return false;
 }
 
