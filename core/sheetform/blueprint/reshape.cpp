@@ -29,7 +29,7 @@ std::vector<Vector3> moved_points(const StripMesh& m, double distance) {
       for (int k = 0; k < 3; ++k) {
         const Vector3 u = m.points[t.v[(k + 1) % 3]] - m.points[t.v[k]],
                       w = m.points[t.v[(k + 2) % 3]] - m.points[t.v[k]];
-        const double angle = std::atan2(u.cross(w).norm(), u.dot(w));
+        const double angle = angle_between(u, w);
         normal_matrix[t.v[k]] += angle * n * n.transpose();
         sum[t.v[k]] += angle * n;
       }

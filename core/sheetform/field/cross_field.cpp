@@ -83,8 +83,6 @@ bool is_feature(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, i
   return mesh.edges[e].border() || (!crease_edge.empty() && crease_edge[e]);
 }
 
-double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 // True when the features at v bound a sector whose angle is far from every multiple of 90 degrees: no cross
 // can follow both of its sides (pitfall: such corners count as quarter singularities when forced).
 bool is_odd_corner(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, int v) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -23,7 +24,7 @@ std::vector<double> vertex_angles(const SurfaceMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const Vector3 a = mesh.points[t[(k + 1) % 3]] - mesh.points[t[k]];
       const Vector3 b = mesh.points[t[(k + 2) % 3]] - mesh.points[t[k]];
-      angle[t[k]] += std::atan2(a.cross(b).norm(), a.dot(b));
+      angle[t[k]] += angle_between(a, b);
     }
   return angle;
 }
@@ -34,19 +35,14 @@ class Extractor {
             const LayoutRules& rules)
       : mesh_(mesh), net_(network), versions_(versions), rules_(rules) {}
 
-  PatchLayout run(const std::vector<int>* faces) {
+  PatchLayout run(std::vector<int> faces) {
     out_.node.assign(mesh_.points.size(), 0);
     out_.face_patch.assign(mesh_.faces.size(), -1);
     out_.edge_arch.assign(mesh_.edges.size(), -1);
-    if (faces != nullptr) {
-      std::vector<int> ascending = *faces;
-      for (int f : ascending) flood(f);
-      std::sort(ascending.begin(), ascending.end());
-      for (int f : ascending) collect(f);
-    } else {
-      for (int f = 0; f < mesh_.face_count(); ++f) flood(f);
-      for (int f = 0; f < mesh_.face_count(); ++f) collect(f);
-    }
+    std::sort(faces.begin(), faces.end());
+    for (int f : faces) flood(f);
+    outline_.resize(out_.patches.size());
+    for (int f : faces) collect(f);
     mark_nodes();
     chain_arches();
     walk_boundaries();
@@ -84,7 +80,6 @@ class Extractor {
     Patch& patch = out_.patches[id];
     patch.faces.push_back(f);
     patch.area += mesh_.face_normal_raw(f).norm() / 2;
-    outline_.resize(out_.patches.size());
     for (int k = 0; k < 3; ++k)
       if (net_.used(mesh_.face_edges[f][k])) outline_[id].push_back({f, k});
   }
@@ -387,13 +382,15 @@ std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& net
 
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
                            const std::vector<int>& versions, const LayoutRules& rules) {
-  return Extractor(mesh, network, versions, rules).run(nullptr);
+  std::vector<int> every(mesh.faces.size());
+  std::iota(every.begin(), every.end(), 0);
+  return Extractor(mesh, network, versions, rules).run(every);
 }
 
 PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,
                            const std::vector<int>& versions, const LayoutRules& rules,
                            const std::vector<int>& faces) {
-  return Extractor(mesh, network, versions, rules).run(&faces);
+  return Extractor(mesh, network, versions, rules).run(faces);
 }
 
 }  // namespace sheetform

@@ -22,9 +22,7 @@ constexpr int kOftenEnough = 4096;  // edges between two looks at whether to sto
 
 enum Mark : char { kNone = 0, kWeak = 1, kStrong = 2 };
 
-double angle_between(const Vector3& a, const Vector3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
-}
+double degrees_between(const Vector3& a, const Vector3& b) { return angle_between(a, b) * 180 / M_PI; }
 
 // Twice the area over the squared longest side: 0.87 for an equilateral triangle, 0 for a degenerate one.
 double fatness(const SurfaceMesh& mesh, int f) {
@@ -43,7 +41,7 @@ Vector3 trusted_normal(const SurfaceMesh& mesh, int f) {
     const int g = mesh.edges[e].other_face(f);
     if (g < 0) continue;
     const Vector3 n = mesh.face_normal_raw(g);
-    if (own.norm() > 0 && angle_between(own, n) < kConfirmed) return own;
+    if (own.norm() > 0 && degrees_between(own, n) < kConfirmed) return own;
     if (n.squaredNorm() > largest.squaredNorm()) largest = n;
   }
   return largest.norm() > 0 ? Vector3(largest.normalized() * own.norm()) : own;
@@ -63,7 +61,7 @@ class Sharpness {
 
   double dihedral(int e) const {
     const auto& edge = mesh_.edges[e];
-    return edge.border() ? 0 : angle_between(normals_[edge.f0], normals_[edge.f1]);
+    return edge.border() ? 0 : degrees_between(normals_[edge.f0], normals_[edge.f1]);
   }
 
   // Dihedral angle / angle between the mean normals of both sides; of two radii the one nearer to 1.
@@ -71,8 +69,8 @@ class Sharpness {
     const double size = std::clamp(mesh_.edge_length(e), mean_edge_ / 2, mean_edge_ * 2), angle = dihedral(e);
     double best = 0;
     for (double radius : {size, 2 * size}) {
-      const double around =
-          angle_between(side_normal(e, mesh_.edges[e].f0, radius), side_normal(e, mesh_.edges[e].f1, radius));
+      const double around = degrees_between(side_normal(e, mesh_.edges[e].f0, radius),
+                                            side_normal(e, mesh_.edges[e].f1, radius));
       const double ratio = around > 0 ? std::min(3.0, angle / around) : 3.0;
       if (best == 0 || std::abs(std::log(ratio)) < std::abs(std::log(best))) best = ratio;
     }
@@ -96,7 +94,7 @@ class Sharpness {
         const int next = mesh_.edges[side].other_face(seen[i]);
         if (next < 0 || side == e || std::find(seen.begin(), seen.end(), next) != seen.end()) continue;
         if ((middles_[next] - middle).norm() > radius || out.dot(middles_[next] - a) <= 0) continue;
-        if (angle_between(normals_[seen[i]], normals_[next]) < barrier_) seen.push_back(next);
+        if (degrees_between(normals_[seen[i]], normals_[next]) < barrier_) seen.push_back(next);
       }
     }
     return sum;
@@ -224,10 +222,10 @@ void measure_turning(const SurfaceMesh& mesh, const Chain& chain, ChainShape& s)
   const int margin = chain.closed ? 0 : 2;
   int turns = 0, wiggles = 0;
   for (int i = chain.closed ? 0 : 1; i < n; ++i) {
-    const double turn = angle_between(point(i) - point(i - 1), point(i + 1) - point(i));
+    const double turn = degrees_between(point(i) - point(i - 1), point(i + 1) - point(i));
     s.turn += turn, ++turns;
     if (i < margin || i > n - margin) continue;
-    s.zigzag += std::max(0.0, turn - angle_between(point(i) - point(i - 2), point(i + 2) - point(i)) / 2),
+    s.zigzag += std::max(0.0, turn - degrees_between(point(i) - point(i - 2), point(i + 2) - point(i)) / 2),
         ++wiggles;
   }
   s.turn /= std::max(1, turns);

@@ -88,7 +88,7 @@ void mark_corners(const SurfaceMesh& mesh, const Line& line, double scale, std::
   std::vector<std::pair<double, int>> turns;  // -turn, index: sharpest first
   for (int i = line.closed ? 0 : 1; i < (line.closed ? n : n - 1); ++i) {
     const Vector3 a = -chord(mesh, line, i, -1, scale), b = chord(mesh, line, i, 1, scale);
-    const double turn = std::atan2(a.cross(b).norm(), a.dot(b));
+    const double turn = angle_between(a, b);
     if (turn > kCornerTurn) turns.emplace_back(-turn, i);
   }
   std::sort(turns.begin(), turns.end());

@@ -24,7 +24,7 @@ double least_angle(const SurfaceMesh& mesh, int f) {
     const Vector3& a = mesh.points[mesh.faces[f][k]];
     const Vector3 b = mesh.points[mesh.faces[f][(k + 1) % 3]] - a,
                   c = mesh.points[mesh.faces[f][(k + 2) % 3]] - a;
-    least = std::min(least, std::atan2(b.cross(c).norm(), b.dot(c)) * 180 / M_PI);
+    least = std::min(least, angle_between(b, c) * 180 / M_PI);
   }
   return least;
 }

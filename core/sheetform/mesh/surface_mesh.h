@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,10 @@ struct SurfaceMesh {
 SurfaceMesh build_surface_mesh(std::vector<Vector3> points, std::vector<std::array<int, 3>> faces);
 
 /// Diagonal of the bounding box; 0 for no points.
+/// In radians, exact for small ones too; of vectors of any length.
+inline double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 double bounding_box_diagonal(const std::vector<Vector3>& points);
 /// Area-weighted unit vertex normals.
 std::vector<Vector3> vertex_normals(const SurfaceMesh& mesh);

@@ -17,8 +17,7 @@ double mean_bending(const SurfaceMesh& mesh) {
   for (int e = 0; e < mesh.edge_count(); ++e) {
     const auto& edge = mesh.edges[e];
     if (edge.border()) continue;
-    const Vector3 a = mesh.face_normal_raw(edge.f0), b = mesh.face_normal_raw(edge.f1);
-    sum += std::atan2(a.cross(b).norm(), a.dot(b)) * mesh.edge_length(e);
+    sum += angle_between(mesh.face_normal_raw(edge.f0), mesh.face_normal_raw(edge.f1)) * mesh.edge_length(e);
   }
   return sum / std::max(surface_area(mesh), 1e-300);
 }

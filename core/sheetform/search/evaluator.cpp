@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 
 #include "sheetform/search/outline_samples.h"
 #include "sheetform/search/patch_tilt.h"
@@ -488,41 +487,39 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
 LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout,
                                         std::vector<std::shared_ptr<const PatchEvaluation>> patches,
                                         int rounds, const std::vector<MorphSample>& also) {
-  std::vector<int> all(layout.patches.size());
-  std::iota(all.begin(), all.end(), 0);
-  return morph_patches(layout, std::move(patches), all, nullptr, rounds, also);
+  return morph_patches(layout, std::move(patches), {}, rounds, also);
 }
 
-LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& layout, const std::vector<int>& region,
-                                               const ArchPlaces& places, int rounds) {
-  std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(layout.patches.size());
-  for (int p : region) evaluations[p] = patch(layout, p);
-  return morph_patches(layout, std::move(evaluations), region, &places, rounds, {});
+LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& region, const ArchPlaces& places,
+                                               int rounds) {
+  std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(region.patches.size());
+  for (std::size_t p = 0; p < evaluations.size(); ++p) evaluations[p] = patch(region, static_cast<int>(p));
+  return morph_patches(region, std::move(evaluations), places, rounds, {});
 }
 
 LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
                                                 std::vector<std::shared_ptr<const PatchEvaluation>> patches,
-                                                const std::vector<int>& region, const ArchPlaces* places,
-                                                int rounds, const std::vector<MorphSample>& also) {
+                                                const ArchPlaces& places, int rounds,
+                                                const std::vector<MorphSample>& also) {
+  const int n = static_cast<int>(layout.patches.size());
   LayoutEvaluation out;
   out.patches = std::move(patches);
-  out.patch_error.assign(layout.patches.size(), 0);
-  out.unknowns.resize(layout.patches.size());
+  out.patch_error.assign(n, 0);
+  out.unknowns.resize(n);
   MorphProblem problem;
   OutlineUnknowns unknowns(surface_, layout, params_, problem);
-  for (int p : region)
-    for (const ArchUse& use : layout.patches[p].boundary) {
+  for (const Patch& patch : layout.patches)
+    for (const ArchUse& use : patch.boundary) {
       const Arch& arch = layout.arches[use.arch];
-      const auto inside = [&](int q) { return q == Arch::kOutside || (q >= 0 && out.patches[q] != nullptr); };
-      const bool free = inside(arch.left) && inside(arch.right);
+      const bool free = arch.left != Arch::kUnknown && arch.right != Arch::kUnknown;
       const std::vector<Vector3>* held = nullptr;
-      if (!free && places != nullptr) {
-        const auto it = places->find(arch.key);
-        if (it != places->end()) held = &it->second;
+      if (!free) {
+        const auto it = places.find(arch.key);
+        if (it != places.end()) held = &it->second;
       }
       unknowns.add(use.arch, free, held);
     }
-  for (int p : region) {
+  for (int p = 0; p < n; ++p) {
     const PatchEvaluation& e = *out.patches[p];
     auto& ids = out.unknowns[p];
     ids.resize(e.polygon.size());
@@ -541,15 +538,14 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   morph_params.rounds = rounds;
   out.position = morph(problem, morph_params).position;
   out.on_plane = std::move(problem.on_plane);
-  parallel_for(context_, static_cast<int>(region.size()), [&](int i) {
-    const int p = region[i];
+  parallel_for(context_, n, [&](int p) {
     const PatchEvaluation& e = *out.patches[p];
     std::vector<Vector3> position(e.polygon.size());
     for (int k = 0; k < e.polygon.size(); ++k) position[k] = out.position[out.unknowns[p][k]];
     out.patch_error[p] =
         patch_error(e.samples, e.rulings.triangles, position, *surface_.input, 0.8 * params_.e_max, nullptr);
   });
-  for (int p : region) {
+  for (int p = 0; p < n; ++p) {
     out.max_error = std::max(out.max_error, out.patch_error[p]);
     const PatchVerdict v = out.patches[p]->verdict;
     out.failing +=

@@ -151,18 +151,16 @@ class LayoutEvaluator {
   LayoutEvaluation solve(const PatchLayout& layout,
                          std::vector<std::shared_ptr<const PatchEvaluation>> patches, int rounds,
                          const std::vector<MorphSample>& also = {});
-  /// Morph of these patches alone; arches to other patches stay at `places` (on the surface when unknown).
-  /// Patches that are not listed are not evaluated. Cost grows with the listed patches only.
-  LayoutEvaluation solve_region(const PatchLayout& layout, const std::vector<int>& region,
-                                const ArchPlaces& places, int rounds);
+  /// Morph of a part of a layout (extract_region) alone; arches to patches outside of it stay at `places` (on
+  /// the surface when unknown).
+  LayoutEvaluation solve_region(const PatchLayout& region, const ArchPlaces& places, int rounds);
   /// So far. Not for while others evaluate. May depend on the number of threads once the cache is full.
   const EvaluationCounts& counts() const { return counts_; }
 
  private:
   LayoutEvaluation morph_patches(const PatchLayout& layout,
                                  std::vector<std::shared_ptr<const PatchEvaluation>> patches,
-                                 const std::vector<int>& region, const ArchPlaces* places, int rounds,
-                                 const std::vector<MorphSample>& also);
+                                 const ArchPlaces& places, int rounds, const std::vector<MorphSample>& also);
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  RulingParams ruling,
                                                  const std::function<bool(int, int)>* forbidden) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <set>
 
@@ -297,9 +296,7 @@ bool LayoutSearch::region_fits(const std::vector<int>& faces) {
   const PathNetwork& network = network_.network();
   const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
                                             with_neighbours(surface_.mesh, network, faces));
-  std::vector<int> all(region.patches.size());
-  std::iota(all.begin(), all.end(), 0);
-  const LayoutEvaluation e = evaluator_->solve_region(region, all, places_, params_.lawson_rounds);
+  const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
   if (e.max_error > params_.evaluation.e_max) return false;
   store(region, e);
   return true;

@@ -110,7 +110,6 @@ class LayoutSearch {
   Shape smoothed(double cutoff);
   void move_to(const std::vector<int>& vertices, const Shape& shape);
   SmoothParams smooth_params(double cutoff) const;
-  double sharpest_turn(const Arch& arch) const;
   bool try_smooth_arch(const Arch& arch, double cutoff, double from_ends);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   /// A stretch of a candidate that could go through a patch.

@@ -37,7 +37,7 @@ PatchTilt patch_tilt(const SearchSurface& surface, const Patch& patch, const Pat
     const Vector3& a = position[(*strip)[0]];
     const Vector3 over = (position[(*strip)[1]] - a).cross(position[(*strip)[2]] - a),
                   own = surface.mesh.face_normal_raw(patch.faces[i]);
-    faces.push_back({std::atan2(own.cross(over).norm(), own.dot(over)) * kDegrees, own.norm() / 2, centre});
+    faces.push_back({angle_between(own, over) * kDegrees, own.norm() / 2, centre});
     total += faces.back().area;
   }
   std::stable_sort(faces.begin(), faces.end(),

@@ -1,7 +1,6 @@
 // The part of the search that smooths paths, as far as the patches beside them allow.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 
 #include "sheetform/search/layout_search.h"
@@ -14,6 +13,17 @@ namespace {
 constexpr std::array<double, 4> kMilder{10, 5, 0, 0};
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kRough = 35;  // degrees: arches that turn more at a vertex have a staircase left
+
+// The sharpest turn of an arch at an inner vertex, in degrees.
+double sharpest_turn(const std::vector<Vector3>& points, const Arch& arch) {
+  double sharpest = 0;
+  for (std::size_t i = 1; i + 1 < arch.vertices.size(); ++i) {
+    const Vector3& at = points[arch.vertices[i]];
+    sharpest = std::max(sharpest,
+                        angle_between(at - points[arch.vertices[i - 1]], points[arch.vertices[i + 1]] - at));
+  }
+  return sharpest / kDegree;
+}
 
 }  // namespace
 
@@ -99,18 +109,6 @@ void LayoutSearch::smooth_what_allows() {
   places_.clear();
 }
 
-// The sharpest turn of an arch at an inner vertex, in degrees.
-double LayoutSearch::sharpest_turn(const Arch& arch) const {
-  const std::vector<Vector3>& points = surface_.mesh.points;
-  double sharpest = 0;
-  for (std::size_t i = 1; i + 1 < arch.vertices.size(); ++i) {
-    const Vector3 in = points[arch.vertices[i]] - points[arch.vertices[i - 1]],
-                  out = points[arch.vertices[i + 1]] - points[arch.vertices[i]];
-    sharpest = std::max(sharpest, std::atan2(in.cross(out).norm(), in.dot(out)));
-  }
-  return sharpest / kDegree;
-}
-
 // Smooths an arch between its ends as they are, and so far from them; false when the patches around no longer
 // fit.
 bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_ends) {
@@ -147,8 +145,8 @@ bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_
 void LayoutSearch::smooth_rough_arches() {
   std::vector<int> edges;  // one of each
   for (const Arch& arch : layout().arches)
-    if (arch.left >= 0 && arch.right >= 0 && !arch.closed() && sharpest_turn(arch) > kRough &&
-        !is_held(network_.network().kinds[arch.path]))
+    if (arch.left >= 0 && arch.right >= 0 && !arch.closed() &&
+        sharpest_turn(surface_.mesh.points, arch) > kRough && !is_held(network_.network().kinds[arch.path]))
       edges.push_back(arch.edges.front());
   for (int e : edges) {
     const Arch arch = layout().arches[layout_.edge_arch[e]];

@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kFlat = 0.5 * 3.14159265358979323846 / 180;  // what a sheet may turn without a fold line
 
-double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 }  // namespace
 
 StripMesh assemble_strips(const StripSource& source) {

@@ -22,10 +22,6 @@ Vector3 normal_of(const std::vector<Vector3>& points, const std::array<int, 3>& 
   return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
 }
 
-double angle_between(const Vector3& a, const Vector3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
-}
-
 // Samples on one surface against the closest faces of the other. patch(own face, hit face).
 template <class PatchOf>
 std::vector<TiltSample> tilts(const std::vector<Vector3>& points, const Faces& faces,
@@ -43,7 +39,7 @@ std::vector<TiltSample> tilts(const std::vector<Vector3>& points, const Faces& f
       if (hit.face < 0) continue;
       const Vector3 a = normal_of(points, faces[from[i].face]),
                     b = normal_of(other_points, other_faces[hit.face]);
-      out[i] = {from[i].point, angle_between(a, b), patch(from[i].face, hit.face)};
+      out[i] = {from[i].point, kDegrees * angle_between(a, b), patch(from[i].face, hit.face)};
     }
   });
   context.checkpoint();
