@@ -5,6 +5,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sheetform/base/error.h"
@@ -27,6 +28,18 @@ constexpr std::array<Share, 8> kShares{{{"read", 0.0, 0.02},
 
 const Share& share(Stage stage) { return kShares[static_cast<std::size_t>(stage)]; }
 
+// Of the outermost parallel_for that this thread works for: the threads that have nothing to do.
+thread_local std::atomic<int>* idle_threads = nullptr;
+
+// Takes up to `wanted` of the idle threads; how many it were.
+int take(std::atomic<int>& idle, int wanted) {
+  int there = idle;
+  while (true) {
+    const int taken = std::clamp(there, 0, std::max(wanted, 0));
+    if (taken == 0 || idle.compare_exchange_weak(there, there - taken)) return taken;
+  }
+}
+
 }  // namespace
 
 const char* to_string(Stage stage) { return share(stage).name; }
@@ -47,8 +60,10 @@ void RunContext::report(Stage stage, double part, const std::string& message) co
 }
 
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn) {
-  const int workers = std::min(context.threads, n);
-  if (workers <= 1) {
+  std::atomic<int> own{context.threads - 1};
+  std::atomic<int>& idle = idle_threads != nullptr ? *idle_threads : own;
+  const int helpers = take(idle, std::min(context.threads, n) - 1);
+  if (helpers == 0) {
     for (int i = 0; i < n; ++i) fn(i);
     return;
   }
@@ -56,6 +71,7 @@ void parallel_for(const RunContext& context, int n, const std::function<void(int
   std::exception_ptr failure;
   std::mutex failure_mutex;
   auto work = [&] {
+    std::atomic<int>* const outer = std::exchange(idle_threads, &idle);
     try {
       for (int i = next++; i < n; i = next++) fn(i);
     } catch (...) {
@@ -63,11 +79,14 @@ void parallel_for(const RunContext& context, int n, const std::function<void(int
       if (!failure) failure = std::current_exception();
       next = n;
     }
+    idle_threads = outer;
+    ++idle;
   };
   std::vector<std::thread> pool;
-  for (int w = 1; w < workers; ++w) pool.emplace_back(work);
+  for (int w = 0; w < helpers; ++w) pool.emplace_back(work);
   work();
   for (std::thread& t : pool) t.join();
+  --idle;  // this thread goes on
   if (failure) std::rethrow_exception(failure);
 }
 

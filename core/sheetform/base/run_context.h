@@ -29,7 +29,9 @@ struct RunContext {
 };
 
 /// Calls fn(i) for i in [0, n), on up to context.threads threads; exceptions are rethrown. Each i must write
-/// only its own output, then the result does not depend on the number of threads.
+/// only its own output, then the result does not depend on the number of threads. Calls inside of fn share
+/// the threads of the outermost call: what one of them leaves idle, the others may use from their next call
+/// on.
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn);
 
 }  // namespace sheetform

@@ -156,10 +156,8 @@ class ComponentRun {
 
   void in_all_lanes(const std::function<void(LayoutSearch&)>& step) {
     const int n = static_cast<int>(lanes_.size());
-    for (Lane& lane : lanes_) {
-      lane.context.threads = std::max(1, context_.threads / n);
+    for (Lane& lane : lanes_)
       if (&lane != &lanes_.front()) lane.context.progress = nullptr;
-    }
     parallel_for(context_, n, [&](int i) { step(lanes_[i].search()); });
     for (Lane& lane : lanes_) lane.context = context_;
   }

@@ -97,30 +97,32 @@ int LayoutSearch::improve(int tries, std::uint64_t seed) {
   EditableNetwork best_network = network_;
   ArchPlaces best_places = places_;
   double best = objective();
-  RunContext alone = context_;
-  alone.threads = 1;
-  alone.progress = nullptr;
-  // Always so many at once, from the same layout, whatever the number of threads; the first that is good
-  // counts.
-  constexpr int kAtOnce = 2;
-  for (int t = 0; t < tries; t += kAtOnce) {
+  RunContext quiet = context_;
+  quiet.progress = nullptr;
+  // So many at once from the same layout, whatever the number of threads; the first that is good counts, and
+  // those after it were never drawn.
+  constexpr int kAtOnce = 4;
+  for (int t = 0; t < tries;) {
     context_.report(Stage::kRemove, 0.7 + 0.3 * t / tries);
+    const int n = std::min(kAtOnce, tries - t);
     std::array<std::optional<Proposal>, kAtOnce> proposals;
-    for (auto& proposal : proposals) proposal = propose();
+    std::array<std::uint64_t, kAtOnce> states{};
+    for (int i = 0; i < n; ++i) proposals[i] = propose(), states[i] = state;
     std::array<std::unique_ptr<LayoutSearch>, kAtOnce> trials;
     std::array<std::atomic<bool>, kAtOnce> good{};
-    parallel_for(context_, kAtOnce, [&](int i) {
+    parallel_for(context_, n, [&](int i) {
       for (int earlier = 0; earlier < i; ++earlier)
         if (good[earlier]) return;
       if (!proposals[i]) return;
-      trials[i].reset(new LayoutSearch(*this, alone));
+      trials[i].reset(new LayoutSearch(*this, quiet));
       good[i] = trials[i]->try_improve(*proposals[i]);
     });
-    for (int i = 0; i < kAtOnce; ++i) {
-      if (!trials[i]) continue;
-      merge_values_.merge(trials[i]->merge_values_);
+    for (int i = 0; i < n; ++i) {
+      ++t;
+      if (trials[i]) merge_values_.merge(trials[i]->merge_values_);
       if (!good[i]) continue;
       adopt(*trials[i]);
+      state = states[i];
       break;
     }
     if (objective() < best - 1e-9) {

@@ -1,5 +1,6 @@
 // The two-sided distance: evenly spread samples for its mean, branch and bound for its largest.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 
@@ -98,9 +99,10 @@ DistanceReport measure_distance(const std::vector<Vector3>& points,
     return mean;
   };
   OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
-  const double mean = (measure(to, in) + measure(back, out)) / 2;
+  std::array<double, 2> means{};
+  parallel_for(context, 2, [&](int i) { means[i] = i == 0 ? measure(to, in) : measure(back, out); });
   DistanceReport report = report_of(result, strips, to, back, std::numeric_limits<double>::infinity());
-  report.mean = mean;
+  report.mean = (means[0] + means[1]) / 2;
   return report;
 }
 
@@ -118,13 +120,16 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   context.checkpoint();
   const double enough = kSettled * limit;
   OneWayDistance to(in, out, result_tree, enough, context), back(out, in, tree, enough, context);
-  to.measure(certificate::area_samples(in.points, in.faces, kGlances));
-  back.measure(certificate::area_samples(out.points, out.faces, kGlances));
-  const auto splits = [&] {
-    return std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
-  };
-  to.search(far_faces(tree, result_tree, limit, context), {.limit = limit, .splits = splits()});
-  back.search(all_of(strips.faces), {.limit = limit, .splits = splits()});
+  parallel_for(context, 2, [&](int i) {
+    const Surface& from = i == 0 ? in : out;
+    (i == 0 ? to : back).measure(certificate::area_samples(from.points, from.faces, kGlances));
+  });
+  const int splits = std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
+  parallel_for(context, 2, [&](int i) {
+    const std::vector<int> faces =
+        i == 0 ? far_faces(tree, result_tree, limit, context) : all_of(strips.faces);
+    (i == 0 ? to : back).search(faces, {.limit = limit, .splits = splits});
+  });
   return report_of(result, strips, to, back, limit);
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "sheetform/tracing/path_search.h"
@@ -63,9 +64,9 @@ void trace_in_rounds(const std::vector<int>& nodes, Pool& pool, std::vector<Path
         round.push_back(nodes[next]), ranks.push_back(static_cast<int>(next));
     std::vector<Path> found(round.size());
     const int workers = static_cast<int>(searches.size()), size = static_cast<int>(round.size());
-    // One call a worker, which takes every workers-th node: each has its own search arrays.
+    std::atomic<int> next_of_round{0};  // one call a worker: each has its own search arrays
     parallel_for(context, workers, [&](int worker) {
-      for (int i = worker; i < size; i += workers) {
+      for (int i = next_of_round++; i < size; i = next_of_round++) {
         context.checkpoint();
         found[i] = trace(searches[worker], round[i]);
         found[i].seed = rank_of(ranks[i]);
