@@ -36,6 +36,9 @@ constexpr double kOnPlane = 1e-9;  // of the diagonal
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
 constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is wanted, none is traced or cut
 constexpr int kEvener = 4;        // further morphs for outline points at the distances asked for
+// Coarser outlines may spare a split or two; with many parts that is not worth it in every round.
+constexpr std::size_t kFewOf = 100, kManyParts = 60;
+constexpr int kOutlineRounds = 2;
 constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips go before the distances
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
 
@@ -73,7 +76,8 @@ struct Attempt {
   std::vector<FarPlace> far;  // what the next morph should know
   double distance = 0;
   double miss = 0;  // of ComponentResult
-  bool good() const { return invalid.empty() && too_far.empty(); }
+  std::size_t bad() const { return invalid.size() + too_far.size(); }
+  bool good() const { return bad() == 0; }
 };
 
 // Creases and drawn seams: the field follows them and paths end there.
@@ -302,13 +306,27 @@ class ComponentRun {
     return std::min(params_.improvements, 6 * (static_cast<int>(search.layout().patches.size()) - 1));
   }
 
+  static std::vector<std::uint64_t> keys_of(const PatchLayout& layout, const std::vector<int>& patches) {
+    std::vector<std::uint64_t> keys;
+    for (int p : patches) keys.push_back(layout.patches[p].key);
+    return keys;
+  }
+
+  static std::vector<int> patches_with(const PatchLayout& layout, const std::vector<std::uint64_t>& keys) {
+    std::vector<int> patches;
+    for (int p = 0; p < static_cast<int>(layout.patches.size()); ++p)
+      if (std::find(keys.begin(), keys.end(), layout.patches[p].key) != keys.end()) patches.push_back(p);
+    return patches;
+  }
+
   // Final strips of the present layout; what breaks a promise is split, until nothing does.
   void finish(LayoutSearch& search) {
     bool have_best = false;
     double best = 0;
+    std::size_t outline = 0;
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
-      const Attempt attempt = build_best(search, round < kSpacingRounds);
+      const Attempt attempt = build_best(search, round, outline);
       const bool valid = attempt.invalid.empty();
       if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
@@ -321,24 +339,36 @@ class ComponentRun {
         if (search.split(attempt.too_far, PatchVerdict::kError) == 0) return;
       } else {
         search.reject(attempt.invalid);
+        search.reject(attempt.too_far);
+        const std::vector<std::uint64_t> far = keys_of(search.layout(), attempt.too_far);
         if (search.split(attempt.invalid, PatchVerdict::kOverlap) == 0 &&
             search.give_away(attempt.invalid) == 0)
           break;
+        search.split(patches_with(search.layout(), far), PatchVerdict::kError);
       }
       if (round < 6 && params_.evaluation.t_junctions) search.remove_arches();
     }
   }
 
   // Fine outlines bend more smoothly, with few points where no rulings end; even and coarser ones, as the
-  // search had them, when those do not fit. bounded: at the distances asked for.
-  Attempt build_best(LayoutSearch& search, bool bounded) {
+  // search had them, when those leave little to mend. outline: which was the best, where the next round
+  // begins. After kSpacingRounds the distances asked for are not held any more.
+  Attempt build_best(LayoutSearch& search, int round, std::size_t& outline) {
+    const bool bounded = round < kSpacingRounds;
     const SpacingBounds bounds = bounded ? params_.spacing : SpacingBounds{0, params_.spacing.most};
     const double fine = bounded ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
-    Attempt best = build(search, fine, kSparsest, bounds);
-    if (must_split(best)) return best;
-    for (double spacing = fine; spacing <= params_.evaluation.spacing && !best.good(); spacing *= 1.4) {
-      Attempt other = build(search, spacing, 1, bounds);
-      if (rank(other) < rank(best)) best = std::move(other);
+    std::vector<std::pair<double, double>> outlines{{fine, kSparsest}};  // spacing, and density (see above)
+    for (double spacing = fine; spacing <= params_.evaluation.spacing; spacing *= 1.4)
+      outlines.emplace_back(spacing, 1);
+    outline = std::min(outline, outlines.size() - 1);
+    Attempt best = build(search, outlines[outline].first, outlines[outline].second, bounds);
+    const std::size_t parts = search.layout().patches.size();
+    if (must_split(best) || best.invalid.size() > std::max<std::size_t>(1, parts / kFewOf) ||
+        (parts > kManyParts && round >= kOutlineRounds))
+      return best;
+    for (std::size_t k = outline + 1; k < outlines.size() && !best.good(); ++k) {
+      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds);
+      if (rank(other) < rank(best)) best = std::move(other), outline = k;
     }
     SpacingBounds narrow = bounds;
     for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
@@ -384,14 +414,16 @@ class ComponentRun {
       if (attempt.good()) return attempt;
       const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;
-      const std::vector<int> bad = attempt.invalid.empty() ? attempt.too_far : attempt.invalid;
       pass.draw_to(attempt.far);
-      const bool eased = pass.plainer(attempt.hard);
+      bool eased = pass.plainer(attempt.hard);
+      eased |= pass.plainer(attempt.invalid);
+      const std::vector<int> too_far = attempt.too_far;
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
       if (best.invalid.empty() && best.miss > kLost && stale >= 4) break;
       if (eased) continue;
-      if (!best.invalid.empty() || stale >= 2) {
-        if (!pass.plainer(bad)) break;
+      if (too_far.empty()) break;
+      if (stale >= 2) {
+        if (!pass.plainer(too_far)) break;
         stale = 0;
       }
     }
@@ -400,31 +432,34 @@ class ComponentRun {
 
   // Small steps towards a tolerance that is far off lead nowhere.
   static bool clearly_better(const Attempt& now, const Attempt& best) {
+    if (now.bad() != best.bad()) return now.bad() < best.bad();
     if (now.invalid.size() != best.invalid.size()) return now.invalid.size() < best.invalid.size();
-    if (now.too_far.size() != best.too_far.size()) return now.too_far.size() < best.too_far.size();
     return now.miss - 1 < kProgress * (best.miss - 1);
   }
 
   static std::tuple<std::size_t, std::size_t, double> rank(const Attempt& a) {
-    return {a.invalid.size(), a.too_far.size(), a.miss};
+    return {a.bad(), a.invalid.size(), a.miss};
   }
 
   Attempt measured(const FinishedLayout& finished) {
     Attempt attempt;
     attempt.finished = finished;
-    attempt.invalid = attempt.finished.failing;
-    if (!attempt.invalid.empty()) return attempt;
+    const std::vector<int>& failing = finished.failing;
     attempt.strips = assemble_strips(attempt.finished.source);
+    const auto is_invalid = [&](int p) {
+      return std::binary_search(failing.begin(), failing.end(), p) ||
+             !check_patch(attempt.strips, p, 1.0).empty();
+    };
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (!check_patch(attempt.strips, p, 1.0).empty()) attempt.invalid.push_back(p);
-    if (!attempt.invalid.empty()) return attempt;
+      if (is_invalid(p)) attempt.invalid.push_back(p);
     DistanceReport d = find_far(input_.reference, tree_, attempt.strips,
                                 params_.margin * params_.evaluation.e_max, context_);
     attempt.distance = d.hausdorff();
     attempt.miss = attempt.distance / params_.evaluation.e_max;
     attempt.far = std::move(d.far);
     for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (d.patch_error[p] > kMeasured * params_.evaluation.e_max) {
+      if (d.patch_error[p] > kMeasured * params_.evaluation.e_max &&
+          !std::binary_search(attempt.invalid.begin(), attempt.invalid.end(), p)) {
         attempt.too_far.push_back(p);
         if (d.patch_error[p] > kHard * params_.evaluation.e_max) attempt.hard.push_back(p);
       }

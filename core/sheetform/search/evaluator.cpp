@@ -18,6 +18,7 @@ constexpr double kOutlineSlide = 0.0;
 // Stiffness of arches: the same bending costs the same at any sampling, and may be had the more cheaply the
 // sharper the tolerance.
 constexpr double kStiffness = 8e-3;
+constexpr double kMostFolded = 0.05;  // of a chart's area: there may be small bumps
 constexpr int kNarrowFaces = 12;
 constexpr double kTurnAlongPath = 60;  // degrees: where a path bends more, a patch has a corner
 
@@ -30,28 +31,38 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
   return {1 - v - w, v, w};
 }
 
-// Nodes where the outline turns: by more than `turn` degrees where two paths meet, by more than 50 along one
-// path. Directions are taken over `reach` on either side, so that the answer does not depend on the sampling.
-void find_corners(const PatchLayout& layout, const Patch& patch, double reach, double turn, bool every_node,
-                  PatchEvaluation& e) {
+// Nodes where the outline turns: by more than `corner_turn` degrees where two paths meet, by more than 60
+// along one path. Directions are taken over `corner_reach` on either side. An outline that was known with
+// other samples keeps its corners.
+void find_corners(const PatchLayout& layout, const Patch& patch, const EvaluationParams& params,
+                  const PatchEvaluation* known, PatchEvaluation& e) {
   const PatchPolygon& polygon = e.polygon;
   const int n = polygon.size();
+  const bool keep = known != nullptr && static_cast<std::ptrdiff_t>(known->turns.size()) ==
+                                            std::count(polygon.node.begin(), polygon.node.end(), 1);
   const auto away = [&](int i, int step) {
     int k = i;
     do k = (k + step + n) % n;
-    while (k != i && !polygon.node[k] && (polygon.uv[k] - polygon.uv[i]).norm() < 0.9 * reach);
+    while (k != i && !polygon.node[k] && (polygon.uv[k] - polygon.uv[i]).norm() < 0.9 * params.corner_reach);
     return k;
   };
   for (int i = 0; i < n; ++i) {
     if (!polygon.node[i]) continue;
-    const Vector2 in = polygon.uv[i] - polygon.uv[away(i, -1)], out = polygon.uv[away(i, 1)] - polygon.uv[i];
-    const double angle = std::atan2(cross(in, out), in.dot(out)) / kDegree;
-    const ArchUse& use = patch.boundary[polygon.origin[i].use];
-    const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
-    const double limit = path(i) != path((i + n - 1) % n) ? turn : std::max(turn, kTurnAlongPath);
-    if (every_node || std::abs(angle) > limit) e.corners.push_back(i);
-    const auto& vertices = layout.arches[use.arch].vertices;
-    e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, every_node ? -1 : limit});
+    if (keep) {
+      e.turns.push_back(known->turns[e.turns.size()]);
+    } else {
+      const Vector2 in = polygon.uv[i] - polygon.uv[away(i, -1)],
+                    out = polygon.uv[away(i, 1)] - polygon.uv[i];
+      const double angle = std::atan2(cross(in, out), in.dot(out)) / kDegree;
+      const ArchUse& use = patch.boundary[polygon.origin[i].use];
+      const auto path = [&](int k) { return layout.arches[patch.boundary[polygon.origin[k].use].arch].path; };
+      double limit = params.corner_turn;
+      if (path(i) == path((i + n - 1) % n)) limit = std::max(limit, kTurnAlongPath);
+      if (!params.t_junctions) limit = -1;  // every node is one
+      const auto& vertices = layout.arches[use.arch].vertices;
+      e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, limit});
+    }
+    if (std::abs(e.turns.back().angle) > e.turns.back().limit) e.corners.push_back(i);
   }
 }
 
@@ -394,13 +405,15 @@ std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(con
   return all;
 }
 
+std::shared_ptr<const PatchEvaluation> LayoutEvaluator::known(const Patch& patch) const {
+  if (charts_ == nullptr) return nullptr;
+  const std::lock_guard lock(charts_->mutex_);
+  const auto it = charts_->cache_.find(patch.key);
+  return it == charts_->cache_.end() ? nullptr : it->second;
+}
+
 std::shared_ptr<const PatchChart> LayoutEvaluator::chart(const PatchLayout& layout,
                                                          const Patch& patch) const {
-  if (charts_ != nullptr) {
-    const std::lock_guard lock(charts_->mutex_);
-    const auto it = charts_->cache_.find(patch.key);
-    if (it != charts_->cache_.end() && it->second->chart) return it->second->chart;
-  }
   ChartParams chart_params;
   if (!surface_.elimination_rank.empty()) chart_params.elimination_rank = &surface_.elimination_rank;
   return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, chart_params));
@@ -414,17 +427,19 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
     return e;
   }
-  const auto chart = e->chart = this->chart(layout, patch);
+  const auto before = known(patch);
+  const auto chart = e->chart = before && before->chart ? before->chart : this->chart(layout, patch);
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty())
       samples[use.arch] = outline_samples(surface_, layout.arches[use.arch], params_);
   e->polygon = patch_polygon(surface_.mesh, layout, patch, *chart, samples);
-  find_corners(layout, patch, params_.corner_reach, params_.corner_turn, !params_.t_junctions, *e);
+  find_corners(layout, patch, params_, before.get(), *e);
   if (static_cast<int>(e->corners.size()) > params_.max_sides ||
       !fits_its_image(surface_, layout, patch, e->polygon, e->corners, params_))
     return e->verdict = PatchVerdict::kTooManySides, e;
-  if (chart->folded > 0.02 || !simple_outline(e->polygon.uv, 0)) return e->verdict = PatchVerdict::kFolded, e;
+  if (chart->folded > kMostFolded || !simple_outline(e->polygon.uv, 0))
+    return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
   ruling.e_max = params_.e_max;
   ruling.min_height = 0.03 * params_.spacing;

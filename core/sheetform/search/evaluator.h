@@ -125,7 +125,8 @@ struct LayoutEvaluation {
 /// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch().
 class LayoutEvaluator {
  public:
-  /// `charts`: an evaluator of the same surface whose charts are taken where it has them; may be null.
+  /// `charts`: an evaluator of the same surface whose charts and corners are taken where it has them; may be
+  /// null.
   LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context,
                   LayoutEvaluator* charts = nullptr)
       : surface_(surface), params_(params), context_(context), charts_(charts) {}
@@ -164,6 +165,8 @@ class LayoutEvaluator {
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  RulingParams ruling,
                                                  const std::function<bool(int, int)>* forbidden) const;
+  /// What the evaluator that charts are taken from has of the patch; may be null.
+  std::shared_ptr<const PatchEvaluation> known(const Patch& patch) const;
   std::shared_ptr<const PatchChart> chart(const PatchLayout& layout, const Patch& patch) const;
   const SearchSurface& surface_;
   EvaluationParams params_;

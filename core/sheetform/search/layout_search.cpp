@@ -291,13 +291,13 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
 }
 
 // After the network has changed over these faces: morphs the new patches with their neighbours, the rest
-// held; true when all of them stay within e_max.
+// held; true when all of them have strips that stay within e_max.
 bool LayoutSearch::region_fits(const std::vector<int>& faces) {
   const PathNetwork& network = network_.network();
   const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
                                             with_neighbours(surface_.mesh, network, faces));
   const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
-  if (e.max_error > params_.evaluation.e_max) return false;
+  if (e.failing > 0) return false;
   store(region, e);
   return true;
 }
@@ -329,21 +329,40 @@ bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   PatchLayout before = std::move(layout_);
   network_.remove_edges(edges);
   changed();
-  if (region_fits(faces)) {
-    layout();
-    join_straight(edges);
-    return true;
-  }
+  const std::vector<Relabelled> joined = join_straight(edges);
+  if (region_fits(faces)) return true;
+  for (auto arch = joined.rbegin(); arch != joined.rend(); ++arch)
+    network_.restore_edges(arch->edges, arch->path);
+  if (!joined.empty() && region_fits(faces)) return true;
   network_.restore_edges(edges, paths);
   layout_ = std::move(before);
   layout_valid_ = true;
   return false;
 }
 
-// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no
-// corner.
-void LayoutSearch::join_straight(const std::vector<int>& removed) {
+// The arch that leaves vertex v over this edge, as far as its next node.
+LayoutSearch::Walk LayoutSearch::arch_from(int v, int edge) const {
   const PathNetwork& net = network_.network();
+  Walk walk{{v}, {}};
+  while (edge >= 0) {
+    walk.edges.push_back(edge);
+    const auto& ends = surface_.mesh.edges[edge];
+    const int at = ends.v0 == walk.vertices.back() ? ends.v1 : ends.v0;
+    walk.vertices.push_back(at);
+    int next = -1, others = 0;
+    for (const int* r = surface_.mesh.ring_begin_of(at); r != surface_.mesh.ring_end_of(at); ++r)
+      if (*r != edge && net.used(*r)) ++others, next = *r;
+    const bool goes_on = others == 1 && net.edge_path[next] == net.edge_path[edge] && at != v;
+    edge = goes_on ? next : -1;
+  }
+  return walk;
+}
+
+// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no
+// corner. What was changed to that end, in order.
+std::vector<LayoutSearch::Relabelled> LayoutSearch::join_straight(const std::vector<int>& removed) {
+  const PathNetwork& net = network_.network();
+  std::vector<Relabelled> changes;
   for (int e : removed)
     for (int v : {surface_.mesh.edges[e].v0, surface_.mesh.edges[e].v1}) {
       std::vector<int> at;
@@ -352,23 +371,18 @@ void LayoutSearch::join_straight(const std::vector<int>& removed) {
       if (at.size() != 2 || net.edge_path[at[0]] == net.edge_path[at[1]]) continue;
       const auto movable = [&](int edge) { return !is_held(net.kinds[net.edge_path[edge]]); };
       if (!movable(at[0]) || !movable(at[1])) continue;
-      layout();
-      const Vector3 a = arch_direction(at[0], v), b = arch_direction(at[1], v);
-      if (a.dot(b) > -std::cos(50 * 3.14159265358979 / 180)) continue;
-      const std::vector<int>& edges = layout_.arches[layout_.edge_arch[at[1]]].edges;
-      network_.restore_edges(edges, std::vector<int>(edges.size(), net.edge_path[at[0]]));
-      changed();
+      const Walk one = arch_from(v, at[0]), other = arch_from(v, at[1]);
+      if (direction_of(one).dot(direction_of(other)) > -std::cos(50 * 3.14159265358979 / 180)) continue;
+      changes.push_back({other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[1]])});
+      network_.restore_edges(other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[0]]));
     }
+  return changes;
 }
 
-// Direction in which the arch over this edge leaves vertex v, over a few edges.
-Vector3 LayoutSearch::arch_direction(int edge, int v) const {
-  const Arch& arch = layout_.arches[layout_.edge_arch[edge]];
-  const int n = static_cast<int>(arch.vertices.size());
-  const bool forward = arch.vertices.front() == v && arch.edges.front() == edge;
-  const int reach = std::min(n - 1, 4);
-  return (surface_.mesh.points[arch.vertices[forward ? reach : n - 1 - reach]] - surface_.mesh.points[v])
-      .normalized();
+// Where an arch sets out to, over a few edges.
+Vector3 LayoutSearch::direction_of(const Walk& arch) const {
+  const std::size_t reach = std::min<std::size_t>(arch.edges.size(), 4);
+  return (surface_.mesh.points[arch.vertices[reach]] - surface_.mesh.points[arch.vertices[0]]).normalized();
 }
 
 void LayoutSearch::remove_paths() {

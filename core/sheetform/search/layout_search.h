@@ -128,8 +128,17 @@ class LayoutSearch {
   std::vector<std::vector<int>> arches_inside();
   bool recut_around(const std::vector<int>& arch);
   std::vector<int> failing_of(const std::vector<int>& faces);
-  void join_straight(const std::vector<int>& removed);
-  Vector3 arch_direction(int edge, int v) const;
+  /// Part of the network, from a node.
+  struct Walk {
+    std::vector<int> vertices, edges;
+  };
+  /// Edges, and the path that each was part of.
+  struct Relabelled {
+    std::vector<int> edges, path;
+  };
+  Walk arch_from(int v, int edge) const;
+  Vector3 direction_of(const Walk& arch) const;
+  std::vector<Relabelled> join_straight(const std::vector<int>& removed);
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);

@@ -280,6 +280,26 @@ TEST(LayoutEvaluator, GivesTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(positions[0], positions[2]);
 }
 
+TEST(LayoutEvaluator, AnotherSamplingKeepsTheCornersThatAreKnown) {
+  const Drawing ell = drawn("A./AA");
+  const PatchLayout layout = ell.layout({});
+  const int p = ell.patch_of(layout, 'A');
+  SearchBed bed(ell.mesh);
+  EvaluationParams params = evaluation_params(0.02);
+  LayoutEvaluator first(bed.surface, params, bed.context);
+  const auto known = first.patch(layout, p);
+  ASSERT_EQ(known->corners.size(), 6u);
+  params.spacing /= 3;
+  params.corner_turn = 120;  // by which none of them turns
+  LayoutEvaluator alone(bed.surface, params, bed.context), finer(bed.surface, params, bed.context, &first);
+  EXPECT_EQ(alone.patch(layout, p)->corners.size(), 0u);
+  const auto again = finer.patch(layout, p);
+  EXPECT_GT(again->polygon.size(), known->polygon.size());
+  ASSERT_EQ(again->corners.size(), 6u);
+  for (int k = 0; k < 6; ++k)
+    EXPECT_EQ(again->polygon.point[again->corners[k]], known->polygon.point[known->corners[k]]);
+}
+
 TEST(LayoutEvaluator, ForbiddenChordsAreAvoided) {
   Tube t;
   const auto free = t.evaluator.patch(t.layout, 0);

@@ -75,6 +75,29 @@ INSTANTIATE_TEST_SUITE_P(Shapes, WholeSearch,
                                            Case{"closed_cylinder", shapes::closed_cylinder(48, 16), 0.02,
                                                 3}));
 
+// A ball with knobs all over.
+TriangleSoup knobbly(int n, double height, double knobs) {
+  TriangleSoup soup = shapes::sphere(n);
+  for (Vector3& p : soup.points)
+    p *= 1 + height * std::sin(knobs * p.x()) * std::sin(knobs * p.y()) * std::sin(knobs * p.z());
+  return soup;
+}
+
+// Where a path ends no more, the patch beyond it has a node less: it must still have strips.
+TEST(LayoutSearch, RemovalsLeaveStripsToTheNeighbours) {
+  Searched s(knobbly(22, 0.9, 5), 0.015);
+  s.search->insert();
+  const auto expect_strips = [&] {
+    for (const auto& p : s.search->evaluation().patches)
+      EXPECT_TRUE(p->viable() || p->verdict == PatchVerdict::kError) << to_string(p->verdict);
+  };
+  expect_strips();
+  s.search->remove_paths();
+  expect_strips();
+  s.search->remove_arches();
+  expect_strips();
+}
+
 TEST(LayoutSearch, CreasesAreNeverRemoved) {
   Searched s(shapes::closed_cylinder(48, 16), 0.02);
   s.search->insert();
