@@ -29,7 +29,8 @@ LayoutSearch::LayoutSearch(const LayoutSearch& of, RunContext& context)
       layout_(of.layout_),
       layout_valid_(of.layout_valid_),
       merge_values_(of.merge_values_),
-      places_(of.places_) {}
+      places_(of.places_),
+      lost_(of.lost_) {}
 
 // The stretch of a path inside one patch, from outline to outline; empty when the path does not cross it.
 std::vector<int> LayoutSearch::stretch_inside(const Path& path, int patch) const {

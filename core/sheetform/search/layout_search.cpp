@@ -17,6 +17,8 @@ constexpr double kTooRound = 9;
 // cost that many parts.
 constexpr double kInsideValue = 100, kInsideCost = 100;
 
+bool has_strips(const PatchEvaluation& e) { return e.viable() || e.verdict == PatchVerdict::kError; }
+
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
 }
@@ -291,13 +293,15 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
 }
 
 // After the network has changed over these faces: morphs the new patches with their neighbours, the rest
-// held; true when all of them have strips that stay within e_max.
+// held; true when all of them have strips that stay within e_max, but for those that had none before.
 bool LayoutSearch::region_fits(const std::vector<int>& faces) {
   const PathNetwork& network = network_.network();
   const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
                                             with_neighbours(surface_.mesh, network, faces));
   const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
-  if (e.failing > 0) return false;
+  if (e.max_error > params_.evaluation.e_max) return false;
+  for (std::size_t p = 0; p < e.patches.size(); ++p)
+    if (!has_strips(*e.patches[p]) && lost_.count(region.patches[p].key) == 0) return false;
   store(region, e);
   return true;
 }
@@ -385,7 +389,15 @@ Vector3 LayoutSearch::direction_of(const Walk& arch) const {
   return (surface_.mesh.points[arch.vertices[reach]] - surface_.mesh.points[arch.vertices[0]]).normalized();
 }
 
+void LayoutSearch::know_lost() {
+  const auto evaluations = evaluator_->patches(layout());
+  lost_.clear();
+  for (std::size_t p = 0; p < evaluations.size(); ++p)
+    if (!has_strips(*evaluations[p])) lost_.insert(layout_.patches[p].key);
+}
+
 void LayoutSearch::remove_paths() {
+  know_lost();
   const int count = static_cast<int>(network_.network().kinds.size());
   for (bool removed = true; removed;) {
     removed = false;
@@ -489,6 +501,7 @@ std::vector<std::pair<std::uint64_t, int>> LayoutSearch::removable_arches(const 
 }
 
 void LayoutSearch::remove_arches() {
+  know_lost();
   while (true) {
     const PatchLayout& now = layout();
     const auto arches = removable_arches(now);

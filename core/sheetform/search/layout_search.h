@@ -99,6 +99,8 @@ class LayoutSearch {
   bool region_fits(const std::vector<int>& faces);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
+  /// Remembers which patches have no strips as they are.
+  void know_lost();
   /// Where the vertices are, and which version of each that is.
   struct Shape {
     std::vector<Vector3> points;
@@ -167,6 +169,8 @@ class LayoutSearch {
   std::unordered_map<std::uint64_t, double>
       merge_values_;   ///< by arch and patches beside it; negative = not viable
   ArchPlaces places_;  ///< after the last morphs
+  std::unordered_set<std::uint64_t>
+      lost_;  ///< patches without strips, by key: not for a removal to blame for
 };
 
 }  // namespace sheetform

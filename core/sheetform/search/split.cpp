@@ -14,6 +14,7 @@ namespace sheetform {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFromEnds = 0.3;
 using Queue =
     std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
 
@@ -167,6 +168,7 @@ std::vector<int> halve_closed(const SurfaceMesh& mesh, const PatchLayout& layout
 struct WantedCut {
   std::vector<Vector2> line;
   int avoid_a = -1, avoid_b = -1;  // places of the loop that have to end up on different sides, -1: none
+  double margin = 0;               // how far from those the cut ends, as a share of the way between them
 };
 
 class ChartCutter {
@@ -194,6 +196,11 @@ class ChartCutter {
   const std::vector<int>& loop() const { return loop_; }
   const Vector2& uv(int place) const { return chart_.uv[loop_[place]]; }
   int places() const { return static_cast<int>(loop_.size()); }
+  // Of the outline from place a on to b, a < b, and of the rest.
+  std::vector<Vector2> middles(int a, int b) const {
+    const int n = places(), half = (b - a) / 2;
+    return {uv(a + half), uv((b + (n - 2 * half) / 2) % n)};
+  }
 
   std::vector<int> cut(const WantedCut& wanted) const {
     const int n = static_cast<int>(chart_.vertices.size());
@@ -201,7 +208,7 @@ class ChartCutter {
     std::vector<int> from(n, -1), via(n, -1), origin(n, -1);
     Queue queue;
     for (int p = 0; p < places(); ++p) {
-      if (wanted.avoid_a >= 0 && !strictly_between(wanted.avoid_a, p, wanted.avoid_b)) continue;
+      if (wanted.avoid_a >= 0 && !between(wanted.avoid_a, p, wanted.avoid_b, wanted.margin)) continue;
       const double d = end_cost(loop_[p], wanted.line.front());
       distance[loop_[p]] = d, origin[loop_[p]] = p, queue.emplace(d, loop_[p]);
     }
@@ -231,13 +238,13 @@ class ChartCutter {
   }
 
  private:
-  bool strictly_between(int a, int p, int b) const {
+  bool between(int a, int p, int b, double margin) const {
     const int n = places(), span = (b - a + n) % n, at = (p - a + n) % n;
-    return at > 0 && at < span;
+    return at > margin * span && at < (1 - margin) * span;
   }
   bool target_ok(int start, int end, const WantedCut& wanted) const {
     if (start == end || chart_.vertices[loop_[start]] == chart_.vertices[loop_[end]]) return false;
-    return wanted.avoid_a < 0 || strictly_between(wanted.avoid_b, end, wanted.avoid_a);
+    return wanted.avoid_a < 0 || between(wanted.avoid_b, end, wanted.avoid_a, wanted.margin);
   }
   double end_cost(int v, const Vector2& wanted) const {
     const bool node = layout_.node[chart_.vertices[v]];
@@ -352,6 +359,22 @@ std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& ch
   return {-1, -1};
 }
 
+// For a chart that says little: between the two places that are farthest apart in space, well away from both.
+WantedCut through_the_middle(const SurfaceMesh& mesh, const ChartCutter& cutter, const PatchChart& chart) {
+  const int n = cutter.places();
+  WantedCut wanted;
+  double farthest = -1;
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b) {
+      const auto at = [&](int p) { return mesh.points[chart.vertices[cutter.loop()[p]]]; };
+      const double d = (at(a) - at(b)).squaredNorm();
+      if (d > farthest) farthest = d, wanted.avoid_a = a, wanted.avoid_b = b;
+    }
+  wanted.line = cutter.middles(wanted.avoid_a, wanted.avoid_b);
+  wanted.margin = kFromEnds;
+  return wanted;
+}
+
 // From the loose end of a slit (a crease that ends inside of the patch) to the nearest other network vertex.
 std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
                                   const CutLength& length) {
@@ -417,12 +440,15 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
   if (p.defect != TopologyDefect::kNone) {
     std::tie(wanted.avoid_a, wanted.avoid_b) = double_place(cutter, *chart);
     if (wanted.avoid_a >= 0) {
-      const int n = cutter.places(), half = (wanted.avoid_b - wanted.avoid_a) / 2;
-      wanted.line = {cutter.uv(wanted.avoid_a + half), cutter.uv((wanted.avoid_b + (n - 2 * half) / 2) % n)};
+      wanted.line = cutter.middles(wanted.avoid_a, wanted.avoid_b);
       const std::vector<int> edges = cutter.cut(wanted);
       if (!edges.empty()) return edges;
       wanted.avoid_a = wanted.avoid_b = -1;
     }
+  }
+  if (evaluation.verdict == PatchVerdict::kFolded) {
+    const std::vector<int> edges = cutter.cut(through_the_middle(mesh, cutter, *chart));
+    if (!edges.empty()) return edges;
   }
   if (evaluation.verdict == PatchVerdict::kError) wanted.line = across_rulings(evaluation);
   if (evaluation.verdict == PatchVerdict::kTooManySides) wanted.line = between_corners(evaluation);

@@ -10,7 +10,8 @@ namespace sheetform {
 /// - not a disk: the shortest cut that is not contractible (tree-cotree), or a loop on a closed surface;
 /// - touches itself, glued to itself when that is not allowed: between the two places;
 /// - too many sides: so that the corners are shared evenly;
-/// - no rulings, folded, overlapping: across the longer axis of its chart;
+/// - folded: between the two points of its outline that are farthest apart;
+/// - no rulings, overlapping: across the longer axis of its chart;
 /// - error: across its rulings at the worst place, so that they get shorter (method.md 13.4).
 /// keep_out: by edge, where a cut counts as much longer than it is; null = nowhere.
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,

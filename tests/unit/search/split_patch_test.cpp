@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "unit/search/drawn_surface.h"
@@ -169,6 +170,20 @@ struct Evaluated {
   Evaluated(const SurfaceMesh& mesh, const EvaluationParams& params)
       : bed(mesh), evaluator(bed.surface, params, bed.context) {}
 };
+
+TEST(SplitPatch, HalvesAPatchWhoseChartSaysNothing) {
+  Splitter s(drawn("AAAAAA"));
+  auto chart = std::make_shared<PatchChart>(parametrize(s.mesh, s.layout(), s.layout().patches[0], {}));
+  for (std::size_t i = 0; i < chart->uv.size(); ++i)
+    chart->uv[i] = {std::sin(37.0 * static_cast<double>(i)), std::sin(91.0 * static_cast<double>(i))};
+  PatchEvaluation evaluation;
+  evaluation.verdict = PatchVerdict::kFolded;
+  evaluation.chart = chart;
+  s.split(0, evaluation);
+  const PatchLayout now = s.layout();
+  ASSERT_EQ(now.patches.size(), 2u);
+  for (const Patch& p : now.patches) EXPECT_GT(p.area, 0.25 * surface_area(s.mesh));
+}
 
 TEST(SplitPatch, SharesCornersUntilNoPatchHasTooManySides) {
   for (const char* text : {".A./AAA/.A.", "A.A.A.A/AAAAAAA", "AAA..../A.AAA../A...AAA"}) {
