@@ -212,7 +212,7 @@ class Jobs(ServerCase):
         self.assert_problem(self.server.get(following.replace("tag=cursor", "tag=other")), 400, "invalid-query-parameter-value")
 
     def test_results_before_the_end(self):
-        job = self.server.submit(name="work-2000.obj")
+        job = self.server.submit(name="work-20000.obj")
         answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/results")
         self.assert_problem(answer, 404, "result-not-ready")
         self.assertTrue(answer.json()["retryable"])
@@ -227,7 +227,7 @@ class Jobs(ServerCase):
         self.assertEqual(answer.json()["fix"], "cut it open")
 
     def test_dismiss_and_remove(self):
-        job = self.server.submit(name="work-5000.obj")["jobID"]
+        job = self.server.submit(name="work-20000.obj")["jobID"]
         self.server.wait(job, until=("running",))
         answer = self.server.request("DELETE", f"/api/v1/jobs/{job}")
         self.assertEqual((answer.status, answer.json()["status"]), (200, "dismissed"))
@@ -251,7 +251,7 @@ class Jobs(ServerCase):
         self.assertEqual(answer.json()["status"], "successful")
         self.assertEqual(answer.headers["Preference-Applied"], "wait=20")
         self.assertGreater(time.monotonic() - begun, 0.25)
-        job = self.server.submit(name="work-3000.obj")["jobID"]
+        job = self.server.submit(name="work-20000.obj")["jobID"]
         self.server.wait(job, until=("running",))
         begun = time.monotonic()
         self.assertEqual(self.server.get(f"/api/v1/jobs/{job}", Prefer="wait=1").json()["status"], "running")
