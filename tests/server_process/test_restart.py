@@ -315,6 +315,18 @@ class Backup(unittest.TestCase):
                 self.assertEqual(again.wait(queued)["status"], "successful")
             self.assertEqual(run("backup", folder + "/copy", "--data", server.data).returncode, 65)
 
+    @unittest.skipIf(os.geteuid() != 0, "only root can give files away")
+    def test_a_store_that_root_restores_belongs_to_the_folders_owner(self):
+        with Server() as server, tempfile.TemporaryDirectory() as folder:
+            server.wait(server.submit()["jobID"])
+            os.mkdir(folder + "/data", 0o770)
+            os.chown(folder + "/data", 10001, 10002)
+            for command in (("backup", folder + "/copy", "--data", server.data), ("restore", folder + "/copy", "--data", folder + "/data")):
+                subprocess.run([PROGRAM, *command], check=True, stdout=subprocess.DEVNULL, timeout=60)
+            found = [os.path.join(f, name) for f, folders, files in os.walk(folder + "/data") for name in folders + files]
+            self.assertGreater(len(found), 4)
+            self.assertEqual({(os.stat(path).st_uid, os.stat(path).st_gid) for path in found}, {(10001, 10002)})
+
     def test_damage_is_found(self):
         with Server() as server, tempfile.TemporaryDirectory() as folder:
             server.wait(server.submit()["jobID"])
