@@ -179,6 +179,7 @@ def large_uploads(figures, long, rng):
         mib = count * (size >> 20)
         figures.put(uploads=count, mib_each=size >> 20, mib_per_second=mib / seconds, disk_before=plain[0], disk_after=plain[1],
                     share_of_disk=mib / seconds / (sum(plain) / 2))
+        figures.bar("share_of_slower_disk", mib / seconds / min(plain), least=0.8)
         # Hashing a GiB takes 0.6 s of a processor, receiving and writing it about as much each.
         figures.bar("server_seconds_per_gib", used * 1024 / mib, most=3)
         figures.bar("memory_peak_mib", peak[0] / 2**20, most=150)
