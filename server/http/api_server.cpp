@@ -134,7 +134,7 @@ Answer ApiServer::dispatch(GuardedRequest& request) {
 
 /// In this order, and all of it before a byte of the body is read: head, address, host, origin, token, rate.
 Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) {
-  if (request.error) throw Refusal(request.error->type, request.error->detail);
+  if (request.error) throw Refusal(request.error->type, request.error->detail, request.error->fix);
   const RouteMatch match = router_.match(request.head.method, request.head.path);
   if (!match.route && match.allowed.empty()) {
     if (!changes_something(request.head.method) && host_allowed(options_.auth, request.head))

@@ -82,7 +82,11 @@ bool read_target(std::string_view target, RequestHead& head, HeadError& error) {
   if (!percent_decode(path, false, head.path)) return fail(error, "the path holds a broken escape");
   for (const char c : head.path)
     if (is_control(c)) return fail(error, "the path holds a control character");
-  if (has_strange_segment(head.path)) return fail(error, "the path holds an empty or a dot segment");
+  if (has_strange_segment(head.path)) {
+    error.fix = "mend the address: write each / once and no dots between; is a variable of your shell empty?";
+    error.detail = "the path holds an empty or a dot segment";
+    return false;
+  }
   return true;
 }
 

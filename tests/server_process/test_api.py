@@ -310,6 +310,36 @@ class FirstSteps(ServerCase):
     def test_misspelt_parameter(self):
         self.assertIn("e_max", self.fix(arc(), "?emax=0.1"))
 
+    def test_parameter_by_another_name(self):
+        for name, meant in [("unit", "scale (Millimetres for one unit)"), ("units", "scale"), ("tolerance", "e_max (Tolerance)"),
+                            ("size", "target_size")]:
+            self.assertIn("may mean " + meant, self.fix(arc(), f"?{name}=1"))
+            document = json.dumps({"inputs": {"mesh": base64.b64encode(arc()).decode(), name: 1}}).encode()
+            self.assertIn(meant, self.fix(document, Content_Type="application/json"))
+        self.assertNotIn("may mean", self.fix(arc(), "?colour=red"))
+
+    def test_percent_and_units(self):
+        self.assertIn("0.02 is 2 %", self.fix(arc(), "?e_max=2"))
+        self.assertIn("(mm)", self.fix(arc(), "?target_size=300mm"))
+
+    def test_name_of_the_file_instead_of_the_file(self):
+        part = b'--b\r\nContent-Disposition: form-data; name="mesh"\r\n\r\nmy lamp.STL\r\n--b--\r\n'
+        self.assertIn("with the @", self.fix(part, Content_Type="multipart/form-data; boundary=b"))
+
+    def test_mesh_called_json(self):
+        self.assertIn("--data-binary", self.fix(arc(), Content_Type="application/json"))
+
+    def test_empty_variable_in_an_address(self):
+        answer = self.server.get("/api/v1/jobs//results")
+        self.assert_problem(answer, 400, "malformed-request")
+        self.assertIn("variable", answer.json()["fix"])
+
+    def test_picture(self):
+        picture = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4
+        answer = self.server.request("POST", EXECUTION, picture)
+        self.assert_problem(answer, 422, "unreadable-mesh")
+        self.assertIn("picture", answer.json()["detail"])
+
     def test_path_instead_of_content(self):
         self.assertIn("base64", self.fix(b'{"inputs":{"mesh":"arc.obj"}}', Content_Type="application/json"))
 
