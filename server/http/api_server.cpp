@@ -37,14 +37,6 @@ Answer placed(api::Problem problem, const GuardedRequest& request, const std::st
   return problem_answer(problem);
 }
 
-api::Problem make_problem(ProblemType type, std::string detail, std::string fix = {}) {
-  api::Problem p;
-  p.type = type;
-  p.detail = std::move(detail);
-  p.fix = std::move(fix);
-  return p;
-}
-
 /// Who sends something where nothing is taken most likely has a mesh.
 api::Problem method_not_allowed(const RequestHead& head, const std::string& allowed) {
   const bool sends = head.method == "POST" || head.method == "PUT";

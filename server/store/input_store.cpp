@@ -20,12 +20,7 @@ constexpr int kPartFolders = 256;         // named by the first byte of a digest
 [[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
 void write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::write(fd, bytes.data(), bytes.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) refuse("the upload could not be written");
-    bytes.remove_prefix(static_cast<std::size_t>(put));
-  }
+  if (!write_whole(fd, bytes)) refuse("the upload could not be written");
 }
 
 void sync_or_end(int fd, const char* what) {
