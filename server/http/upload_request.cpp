@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "server/base/input_bundle.h"
+#include "server/http/field_text.h"
 #include "server/http/multipart.h"
 #include "server/mapping/errors.h"
 #include "server/mapping/wire_parameters.h"
@@ -26,11 +26,8 @@ constexpr std::array<std::string_view, 9> kMeshTypes{
     "application/wavefront-obj",  "application/x-tgif", "application/prs.wavefront-obj"};
 
 std::string media_type_of(const RequestHead& head) {
-  std::string type = head.field("content-type");
-  type.resize(std::min(type.find(';'), type.size()));
-  while (!type.empty() && type.back() == ' ') type.pop_back();
-  for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return type;
+  const std::string field = head.field("content-type");
+  return lower(trimmed(std::string_view(field).substr(0, field.find(';'))));
 }
 
 bool is_raw_mesh(const std::string& type) {
@@ -138,8 +135,7 @@ constexpr const char* kMeshPart = "name the part with the mesh `mesh`, e.g. curl
 bool is_name_of_file(const std::string& text) {
   const std::size_t dot = text.rfind('.');
   if (dot == std::string::npos || text.find('\n') != std::string::npos) return false;
-  std::string ending = text.substr(dot + 1);
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower(text.substr(dot + 1));
   return ending == "obj" || ending == "stl" || ending == "ply" || ending == "off";
 }
 
