@@ -1,6 +1,7 @@
 #include "sheetform_api/parameter_schema.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -101,6 +102,18 @@ bool is_plane(std::string_view text) {
   return std::hypot(values[0], values[1], values[2]) > 0;
 }
 
+constexpr std::size_t kLikeLetters = 3;  // shorter words are in too many others
+
+/// In lower case, without an s at the end: names and titles are compared by them.
+std::string letters_of(std::string_view text) {
+  std::string letters;
+  for (const char c : text)
+    if (std::isalpha(static_cast<unsigned char>(c)))
+      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (!letters.empty() && letters.back() == 's') letters.pop_back();
+  return letters;
+}
+
 bool is_choice(const ParameterDefinition& d, const std::string& text) {
   return std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
 }
@@ -124,9 +137,15 @@ bool fits(const ParameterDefinition& d, const Json& value) {
   return false;
 }
 
+/// " (mm)", or " (of the diagonal; 0.02 is 2 %)".
+std::string unit_text(const ParameterDefinition& d) {
+  if (d.unit.empty()) return {};
+  return " (" + d.unit + (d.schema.value("x-display", "") == "percent" ? "; 0.02 is 2 %)" : ")");
+}
+
 [[noreturn]] void refuse(const ParameterDefinition& d, const std::string& got) {
   throw InvalidParameter(d.name, d.name + " cannot be " + (got.empty() ? "empty" : got.substr(0, 60)),
-                         "give " + d.values());
+                         "give " + d.values() + unit_text(d));
 }
 
 Json boolean_from_text(const ParameterDefinition& d, std::string_view text) {
@@ -164,6 +183,13 @@ Json value_from_text(const ParameterDefinition& d, std::string_view text) {
       return std::string(text);
   }
   return nullptr;
+}
+
+[[noreturn]] void refuse_unknown(const std::string& name) {
+  const std::string like = similar_parameters(name);
+  throw InvalidParameter(name.substr(0, 60), "there is no parameter " + name.substr(0, 60),
+                         (like.empty() ? "" : "you may mean " + like + "; ") +
+                             "see the list of parameters; names are written with underscores");
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -262,12 +288,21 @@ Json parameter_from_text(const ParameterDefinition& definition, std::string_view
   return value;
 }
 
+std::string similar_parameters(std::string_view name) {
+  const std::string wanted = letters_of(name);
+  if (wanted.size() < kLikeLetters) return {};
+  std::string list;
+  for (const ParameterDefinition& d : parameter_definitions())
+    if (letters_of(d.name).find(wanted) != std::string::npos ||
+        letters_of(d.title).find(wanted) != std::string::npos)
+      list += (list.empty() ? "" : ", ") + d.name + " (" + d.title + ")";
+  return list;
+}
+
 Json complete_parameters(const Json& given) {
   for (const auto& [name, value] : given.items()) {
     const ParameterDefinition* d = find_parameter(name);
-    if (d == nullptr)
-      throw InvalidParameter(name.substr(0, 60), "there is no parameter " + name.substr(0, 60),
-                             "see the list of parameters; names are written with underscores");
+    if (d == nullptr) refuse_unknown(name);
     if (!value.is_null() && !fits(*d, value)) refuse(*d, dump(value));
   }
   Json all = Json::object();

@@ -69,6 +69,9 @@ Json parameter_from_text(const ParameterDefinition& definition, std::string_view
 /// Values by name. Checks names, types and ranges, and fills in the defaults. Parameters without value and
 /// default are absent from the answer; null stands for absent. Throws InvalidParameter.
 Json complete_parameters(const Json& given);
+/// What an unknown name may stand for, by names and titles: "scale (Millimetres for one unit)" for "units".
+/// Empty: nothing is like it.
+std::string similar_parameters(std::string_view name);
 
 // A sweep has the same parameters, but for the tolerance: e_max is a list, and e_max_mm is none of them.
 

@@ -96,6 +96,15 @@ ProblemType problem_type_from_slug(std::string_view slug) {
   return ProblemType::kInternal;
 }
 
+Problem make_problem(ProblemType type, std::string detail, std::string fix, std::string where) {
+  Problem p;
+  p.type = type;
+  p.detail = std::move(detail);
+  p.fix = std::move(fix);
+  p.where = std::move(where);
+  return p;
+}
+
 Json to_json(const Problem& problem) {
   const ProblemKind& kind = kind_of(problem.type);
   Json object{{"type", type_uri(problem.type)},

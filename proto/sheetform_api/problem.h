@@ -84,6 +84,8 @@ struct Problem {
   int status() const { return kind_of(type).status; }
 };
 
+Problem make_problem(ProblemType type, std::string detail, std::string fix = {}, std::string where = {});
+
 Json to_json(const Problem& problem);
 /// Reads what to_json wrote (a job's stored problem); unknown types become kInternal.
 Problem problem_from_json(const Json& value);

@@ -1,7 +1,9 @@
-// A file descriptor that closes itself.
+// A file descriptor that closes itself; writing to one.
 #pragma once
 #include <unistd.h>
 
+#include <cerrno>
+#include <string_view>
 #include <utility>
 
 namespace sheetform::server {
@@ -30,5 +32,16 @@ class Descriptor {
  private:
   int fd_ = -1;
 };
+
+/// Writes all of it to a file or pipe; false, with errno, when that fails.
+inline bool write_whole(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(fd, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(put));
+  }
+  return true;
+}
 
 }  // namespace sheetform::server

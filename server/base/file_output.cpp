@@ -100,12 +100,7 @@ std::string read_input_file(const fs::path& path, std::uint64_t limit) {
 void write_synced(const fs::path& path, const std::string& content) {
   const Descriptor d(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (d.get() < 0) refuse("cannot write", path);
-  for (std::size_t at = 0; at < content.size();) {
-    const ssize_t put = ::write(d.get(), content.data() + at, content.size() - at);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) refuse("cannot write", path);
-    at += static_cast<std::size_t>(put);
-  }
+  if (!write_whole(d.get(), content)) refuse("cannot write", path);
   if (::fsync(d.get()) != 0) refuse_sync(path);
 }
 

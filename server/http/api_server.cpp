@@ -37,14 +37,6 @@ Answer placed(api::Problem problem, const GuardedRequest& request, const std::st
   return problem_answer(problem);
 }
 
-api::Problem make_problem(ProblemType type, std::string detail, std::string fix = {}) {
-  api::Problem p;
-  p.type = type;
-  p.detail = std::move(detail);
-  p.fix = std::move(fix);
-  return p;
-}
-
 /// Who sends something where nothing is taken most likely has a mesh.
 api::Problem method_not_allowed(const RequestHead& head, const std::string& allowed) {
   const bool sends = head.method == "POST" || head.method == "PUT";
@@ -134,7 +126,7 @@ Answer ApiServer::dispatch(GuardedRequest& request) {
 
 /// In this order, and all of it before a byte of the body is read: head, address, host, origin, token, rate.
 Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) {
-  if (request.error) throw Refusal(request.error->type, request.error->detail);
+  if (request.error) throw Refusal(request.error->type, request.error->detail, request.error->fix);
   const RouteMatch match = router_.match(request.head.method, request.head.path);
   if (!match.route && match.allowed.empty()) {
     if (!changes_something(request.head.method) && host_allowed(options_.auth, request.head))

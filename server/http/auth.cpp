@@ -3,16 +3,11 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cctype>
+
+#include "server/http/field_text.h"
 
 namespace sheetform::server {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
 
 std::string cookie_value(const std::string& field) {
   const std::string wanted = std::string(kSessionCookie) + "=";

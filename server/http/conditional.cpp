@@ -3,14 +3,10 @@
 #include <charconv>
 #include <ctime>
 
+#include "server/http/field_text.h"
+
 namespace sheetform::server {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 /// One or more digits; numbers too large for 64 bits are the largest one (RFC 9110 lets last-pos be
 /// anything).

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "server/http/field_text.h"
+
 namespace sheetform::server {
 namespace {
 
@@ -10,18 +12,6 @@ constexpr std::size_t kBoundaryBytes = 70;
 constexpr std::size_t kPartHeadBytes = 4096;
 constexpr int kParts = 32;
 constexpr std::size_t kNameBytes = 128;
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 bool is_boundary_char(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 ||

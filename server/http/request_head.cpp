@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "server/base/identity.h"
+#include "server/http/field_text.h"
 
 namespace sheetform::server {
 namespace {
@@ -25,18 +26,6 @@ bool is_token(std::string_view text) {
 }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 bool fail(HeadError& error, std::string detail, ProblemType type = ProblemType::kMalformedRequest) {
   error = {type, std::move(detail)};
@@ -82,7 +71,11 @@ bool read_target(std::string_view target, RequestHead& head, HeadError& error) {
   if (!percent_decode(path, false, head.path)) return fail(error, "the path holds a broken escape");
   for (const char c : head.path)
     if (is_control(c)) return fail(error, "the path holds a control character");
-  if (has_strange_segment(head.path)) return fail(error, "the path holds an empty or a dot segment");
+  if (has_strange_segment(head.path)) {
+    error.fix = "mend the address: write each / once and no dots between; is a variable of your shell empty?";
+    error.detail = "the path holds an empty or a dot segment";
+    return false;
+  }
   return true;
 }
 

@@ -39,6 +39,7 @@ struct RequestHead {
 struct HeadError {
   api::ProblemType type = api::ProblemType::kMalformedRequest;
   std::string detail;
+  std::string fix = {};  ///< empty: the usual one
 };
 
 /// bytes: everything up to and including the empty line. False: `error` says why.

@@ -55,12 +55,9 @@ void check(const ExportWish& wish) {
       throw Refusal(ProblemType::kNoSuchOutput,
                     "there is no export " + wish.format.substr(0, 60) + ": " + e.summary(),
                     "see .../exports for all of them");
-    api::Problem p;
-    p.type = ProblemType::kInvalidQueryParameter;
-    p.detail = e.summary();
-    p.where = e.where().substr(0, 60);
+    api::Problem p =
+        make_problem(ProblemType::kInvalidQueryParameter, e.summary(), e.fix(), e.where().substr(0, 60));
     p.pointer = p.where;
-    p.fix = e.fix();
     throw Refusal(p);
   }
 }

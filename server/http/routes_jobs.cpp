@@ -92,10 +92,8 @@ std::string absolute(const ApiParts& parts, const RequestHead& head, const std::
 CountedPlace::CountedPlace(std::atomic<int>& count, int most, const std::string& what) : count_(count) {
   if (++count_ <= most) return;
   --count_;
-  api::Problem p;
-  p.type = api::ProblemType::kTooManyRequests;
-  p.detail = "there are too many " + what;
-  p.fix = "close some, or ask again later";
+  api::Problem p = make_problem(api::ProblemType::kTooManyRequests, "there are too many " + what,
+                                "close some, or ask again later");
   p.limit = most;
   throw Refusal(p);
 }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "server/base/input_bundle.h"
+#include "server/http/field_text.h"
 #include "server/http/multipart.h"
 #include "server/mapping/errors.h"
 #include "server/mapping/wire_parameters.h"
@@ -16,7 +16,7 @@ namespace {
 
 using api::ProblemType;
 
-constexpr std::size_t kTagBytes = 100, kFieldBytes = 64 * 1024, kKeyBytes = 255;
+constexpr std::size_t kTagBytes = 100, kFieldBytes = 64 * 1024, kKeyBytes = 255, kNameBytes = 255;
 /// What curl and others call a raw file when they are told nothing better.
 constexpr std::array<std::string_view, 4> kRawTypes{"", "application/octet-stream",
                                                     "application/x-www-form-urlencoded", "text/plain"};
@@ -26,11 +26,8 @@ constexpr std::array<std::string_view, 9> kMeshTypes{
     "application/wavefront-obj",  "application/x-tgif", "application/prs.wavefront-obj"};
 
 std::string media_type_of(const RequestHead& head) {
-  std::string type = head.field("content-type");
-  type.resize(std::min(type.find(';'), type.size()));
-  while (!type.empty() && type.back() == ' ') type.pop_back();
-  for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return type;
+  const std::string field = head.field("content-type");
+  return lower(trimmed(std::string_view(field).substr(0, field.find(';'))));
 }
 
 bool is_raw_mesh(const std::string& type) {
@@ -49,9 +46,7 @@ class Details {
     if (name == "filename") return void(name_ = display_name(value));
     if (name == "cache") return take_cache(value);
     const api::ParameterDefinition* d = api::find_parameter(name);
-    if (d == nullptr)
-      throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
-                    "there are " + all_names() + "; see /api/v1/processes/" + process_, name.substr(0, 60));
+    if (d == nullptr) refuse_unknown(name);
     take_value(name, parameter_value(*d, value));
   }
   void take_json(const api::Json& parameters) {
@@ -82,6 +77,13 @@ class Details {
 
  private:
   bool sweep() const { return process_ == api::kSweep; }
+  [[noreturn]] void refuse_unknown(const std::string& name) const {
+    const std::string like = api::similar_parameters(name);
+    throw Refusal(ProblemType::kInvalidParameter, "there is no parameter " + name.substr(0, 60),
+                  (like.empty() ? "" : "you may mean " + like + "; ") + "there are " + all_names() +
+                      "; see /api/v1/processes/" + process_,
+                  name.substr(0, 60));
+  }
   std::string all_names() const {
     std::string names = "tag, filename, cache";
     for (const api::ParameterDefinition& d : api::parameter_definitions())
@@ -127,6 +129,16 @@ std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
   return upload;
 }
 
+constexpr const char* kMeshPart = "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl";
+
+/// curl sends the name in place of the file when the @ before it was forgotten.
+bool is_name_of_file(const std::string& text) {
+  const std::size_t dot = text.rfind('.');
+  if (dot == std::string::npos || text.find('\n') != std::string::npos) return false;
+  const std::string ending = lower(text.substr(dot + 1));
+  return ending == "obj" || ending == "stl" || ending == "ply" || ending == "off";
+}
+
 /// The parts of a form, each where it belongs.
 class Form {
  public:
@@ -138,14 +150,18 @@ class Form {
     if (part.is_file && part.name != "mesh" && part.name != "field" && part.name != "guides" &&
         part.name != "request")
       refuse_body("the part " + part.name.substr(0, 60) + " holds a file", part.name.substr(0, 60),
-                  "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl");
+                  kMeshPart);
     if (part.name != "mesh") return;
     if (upload_) refuse_body("there is more than one part mesh", "mesh");
     upload_ = service_.begin_upload();
     details_.take_name(part.filename);
   }
   void data(std::string_view bytes) {
-    if (part_.name == "mesh") return upload_->add(bytes);
+    if (part_.name == "mesh") {
+      upload_->add(bytes);
+      if (!part_.is_file && words_.size() < kNameBytes) words_.append(bytes.substr(0, kNameBytes));
+      return;
+    }
     text_.append(bytes);
     const std::size_t most = part_.name == "field"    ? kFieldFileBytes
                              : part_.name == "guides" ? kGuidesFileBytes
@@ -161,7 +177,10 @@ class Form {
     details_.take_text(part_.name, text_);
   }
   std::unique_ptr<Upload> take() {
-    if (!upload_) refuse_body("the form has no part mesh", "mesh");
+    if (!upload_) refuse_body("the form has no part mesh", "mesh", kMeshPart);
+    if (upload_->bytes() == words_.size() && is_name_of_file(words_))
+      refuse_body("the part mesh holds the name of a file, not the file", "mesh",
+                  std::string(kMeshPart) + ", with the @");
     upload_->add(after_mesh(upload_->bytes(), directions_, guides_));
     return std::move(upload_);
   }
@@ -190,6 +209,7 @@ class Form {
   Details& details_;
   PartHead part_;
   std::string text_, directions_, guides_;
+  std::string words_;  ///< how a mesh begins that was not sent as a file
   std::unique_ptr<Upload> upload_;
 };
 
@@ -208,6 +228,10 @@ std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Detai
   return form.take();
 }
 
+constexpr const char* kJsonBody =
+    "give {\"inputs\": {\"mesh\": \"the file in base64\", \"e_max\": 0.02}}, or send the file itself: curl "
+    "--data-binary @lamp.stl";
+
 /// JSON is held in memory, and may be smaller than a mesh that comes as it is.
 std::string json_text(Exchange& exchange, const ServiceLimits& limits) {
   try {
@@ -224,7 +248,8 @@ std::string json_text(Exchange& exchange, const ServiceLimits& limits) {
 std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Details& details) {
   api::Json value;
   std::string why;
-  if (!api::parse_json(json_text(exchange, service.limits()), value, why)) refuse_body("the body " + why);
+  if (!api::parse_json(json_text(exchange, service.limits()), value, why))
+    refuse_body("the body " + why, {}, kJsonBody);
   api::ExecuteRequest request;
   api::Problem problem;
   if (!api::read_execute_request(value, request, problem)) throw Refusal(problem);
@@ -239,7 +264,8 @@ std::unique_ptr<Upload> read_json(Exchange& exchange, JobService& service, Detai
   std::string bytes;
   if (!from_base64(request.mesh_base64, bytes))
     refuse_body("the mesh is not base64", "inputs.mesh",
-                "give the bytes of the file in base64, without line breaks");
+                "give the bytes of the file in base64, without line breaks, or send the file itself: curl "
+                "--data-binary @lamp.stl");
   std::unique_ptr<Upload> upload = service.begin_upload();
   upload->add(bytes);
   upload->add(after_mesh(bytes.size(), {}, guides));
@@ -264,7 +290,9 @@ std::string idempotency_key(const RequestHead& head) {
   const std::string key = head.field("idempotency-key");
   const bool good = !key.empty() && key.size() <= kKeyBytes &&
                     std::all_of(key.begin(), key.end(), [](char c) { return c > 0x20 && c < 0x7f; });
-  if (!good) refuse_body("Idempotency-Key must be 1 to 255 printable characters", "Idempotency-Key");
+  if (!good)
+    refuse_body("Idempotency-Key must be 1 to 255 printable characters", "Idempotency-Key",
+                "make up a new one for each job, as uuidgen does");
   return key;
 }
 
@@ -279,7 +307,7 @@ UploadRequest read_upload_request(Exchange& exchange, JobService& service) {
         "send the mesh as application/octet-stream, multipart/form-data or application/json", "Content-Type");
   if (exchange.head.has("content-encoding"))
     throw Refusal(ProblemType::kUnsupportedMediaType, "coded bodies are not understood",
-                  "send it without Content-Encoding", "Content-Encoding");
+                  "unpack the file and send it without Content-Encoding", "Content-Encoding");
   Details details(exchange.captures.at(0));
   for (const auto& [name, value] : exchange.query) details.take_text(name, value);
   details.check(json || form);  // wrong parameters are refused before the upload

@@ -30,12 +30,7 @@ Descriptor memory_file(const char* name) {
 }
 
 void append(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::write(fd, bytes.data(), bytes.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw std::system_error(errno, std::generic_category(), "file in memory");
-    bytes.remove_prefix(static_cast<std::size_t>(put));
-  }
+  if (!write_whole(fd, bytes)) throw std::system_error(errno, std::generic_category(), "file in memory");
 }
 
 void append_blob(int fd, const BlobStore& blobs, const StoredOutput& output) {

@@ -6,23 +6,16 @@ namespace sheetform::server {
 namespace {
 
 api::Problem problem_of(const ChildReport& report, const std::optional<api::Problem>& told) {
+  using T = api::ProblemType;
+  constexpr const char* kOther = "simplify the mesh or store it in another format";
   if (told) return *told;
-  api::Problem p;
-  p.type = api::ProblemType::kUnreadableMesh;
-  p.fix = "simplify the mesh or store it in another format";
-  if (report.ending == ChildEnding::kTimedOut || report.ending == ChildEnding::kStalled) {
-    p.detail = "reading the mesh took too long";
-  } else if (report.ending == ChildEnding::kExited && report.exit_status == kExitMemory) {
-    p.type = api::ProblemType::kMemoryLimit;
-    p.detail = "reading the mesh needs too much memory";
-  } else if (report.ending == ChildEnding::kNotStarted) {
-    p.type = api::ProblemType::kInternal;
-    p.detail = "the mesh could not be looked at";
-    p.fix = "try again later";
-  } else {
-    p.detail = "the program that read the mesh died";
-  }
-  return p;
+  if (report.ending == ChildEnding::kTimedOut || report.ending == ChildEnding::kStalled)
+    return make_problem(T::kUnreadableMesh, "reading the mesh took too long", kOther);
+  if (report.ending == ChildEnding::kExited && report.exit_status == kExitMemory)
+    return make_problem(T::kMemoryLimit, "reading the mesh needs too much memory", kOther);
+  if (report.ending == ChildEnding::kNotStarted)
+    return make_problem(T::kInternal, "the mesh could not be looked at", "try again later");
+  return make_problem(T::kUnreadableMesh, "the program that read the mesh died", kOther);
 }
 
 }  // namespace

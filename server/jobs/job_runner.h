@@ -28,12 +28,13 @@ struct RunnerParts {
 /// Why an attempt was stopped from outside.
 enum class StopReason { kNone, kDismissed, kDrain };
 
-/// Runs the attempt to its end and writes what came of it. `reason` tells, after a stop, who asked for it.
 /// What others may wish of an attempt while it runs.
 struct AttemptWishes {
   StopSignal stop, enough;  ///< to end it; to end a sweep with the points that it has
-  std::atomic<StopReason> reason{StopReason::kNone};
+  std::atomic<StopReason> reason{StopReason::kNone};  ///< after `stop`: who asked for it
 };
+
+/// Runs the attempt to its end and writes what came of it.
 void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes);
 
 /// What an attempt's end means for the job. A pure function, so that the table can be tested.

@@ -19,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using api::ProblemType;
 
-api::Problem make_problem(ProblemType type, std::string detail, std::string fix, std::string where) {
-  api::Problem p;
-  p.type = type;
-  p.detail = std::move(detail);
-  p.fix = std::move(fix);
-  p.where = std::move(where);
-  return p;
-}
-
 constexpr auto kLockPatience = std::chrono::seconds(3);
 
 /// False when somebody else has it for longer. A server that was killed while it began a job leaves a child
@@ -209,8 +200,7 @@ void JobService::check_admission(std::int64_t principal) const {
     throw Refusal(ProblemType::kDraining, "the server is about to stop", "try again in a minute");
   if (free_bytes() < l.free_bytes) refuse_full_disk();
   if (jobs_.waiting(std::nullopt) >= l.queued_jobs || jobs_.waiting(principal) >= l.queued_jobs_each) {
-    api::Problem p =
-        make_problem(ProblemType::kQueueFull, "too many jobs are waiting", "try again later", "");
+    api::Problem p = make_problem(ProblemType::kQueueFull, "too many jobs are waiting", "try again later");
     p.limit = std::min(l.queued_jobs, l.queued_jobs_each);
     throw Refusal(p);
   }

@@ -12,19 +12,11 @@ namespace {
 
 using Action = Verdict::Action;
 
-api::Problem problem(api::ProblemType type, std::string detail, std::string fix) {
-  api::Problem p;
-  p.type = type;
-  p.detail = std::move(detail);
-  p.fix = std::move(fix);
-  return p;
-}
-
 constexpr const char* kLess = "simplify the mesh, allow a larger tolerance (e_max), or choose less effort";
 
 api::Problem too_long(const ServiceLimits& limits) {
-  return problem(api::ProblemType::kTimeLimit,
-                 "the job took longer than " + std::to_string(limits.job_seconds) + " s", kLess);
+  return make_problem(api::ProblemType::kTimeLimit,
+                      "the job took longer than " + std::to_string(limits.job_seconds) + " s", kLess);
 }
 
 Verdict failure(std::string outcome, Requeue counted_as, api::Problem what) {
@@ -61,17 +53,18 @@ Verdict after_signal(int signal, const JobRecord& job, const std::string& stage,
                      const ServiceLimits& limits) {
   if (signal == SIGXCPU)
     return failure("time", Requeue::kError,
-                   problem(api::ProblemType::kTimeLimit, "the job used up its processor time", kLess));
+                   make_problem(api::ProblemType::kTimeLimit, "the job used up its processor time", kLess));
   const std::string where = stage.empty() ? std::string("before its first stage") : "in stage " + stage;
   if (signal == SIGKILL)  // not by us: the machine ran out of memory
-    return again("memory", Requeue::kCrash, job.crashes, limits.crashes,
-                 problem(api::ProblemType::kMemoryLimit,
-                         "the machine ended the job's process " + where + ", most likely for lack of memory",
-                         "simplify the mesh"));
-  api::Problem p = problem(api::ProblemType::kWorkerCrashed,
-                           "the job's process died of signal " + std::to_string(signal) + " (" +
-                               ::strsignal(signal) + ") " + where + ", after " + starts(job.crashes + 1),
-                           "please report this mesh; other parameters may avoid it");
+    return again(
+        "memory", Requeue::kCrash, job.crashes, limits.crashes,
+        make_problem(api::ProblemType::kMemoryLimit,
+                     "the machine ended the job's process " + where + ", most likely for lack of memory",
+                     "simplify the mesh"));
+  api::Problem p = make_problem(api::ProblemType::kWorkerCrashed,
+                                "the job's process died of signal " + std::to_string(signal) + " (" +
+                                    ::strsignal(signal) + ") " + where + ", after " + starts(job.crashes + 1),
+                                "please report this mesh; other parameters may avoid it");
   p.where = stage;
   return again("crash", Requeue::kCrash, job.crashes, limits.crashes, std::move(p));
 }
@@ -89,19 +82,19 @@ Verdict after_exit(int status, const std::optional<api::Problem>& told, bool has
   if (status == kExitInput && told) return failure("refused", Requeue::kError, *told);
   if (status == kExitMemory)
     return failure("memory", Requeue::kError,
-                   problem(api::ProblemType::kMemoryLimit,
-                           "the job needs more than " + std::to_string(limits.job_memory >> 20) + " MiB",
-                           "simplify the mesh"));
+                   make_problem(api::ProblemType::kMemoryLimit,
+                                "the job needs more than " + std::to_string(limits.job_memory >> 20) + " MiB",
+                                "simplify the mesh"));
   if (status == kExitIo)
     return again(
         "io", Requeue::kError, job.errors, limits.errors,
-        problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
+        make_problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
   if (told) return failure("failed", Requeue::kError, *told);
   const std::string what =
       status == kExitOk ? "ended without a result" : "ended with status " + std::to_string(status);
   return failure("failed", Requeue::kError,
-                 problem(api::ProblemType::kAlgorithmFailed, "the job's process " + what,
-                         "please report this mesh; other parameters may avoid it"));
+                 make_problem(api::ProblemType::kAlgorithmFailed, "the job's process " + what,
+                              "please report this mesh; other parameters may avoid it"));
 }
 
 Verdict after_stop(StopReason reason, const JobRecord& job, const ServiceLimits& limits) {
@@ -111,8 +104,9 @@ Verdict after_stop(StopReason reason, const JobRecord& job, const ServiceLimits&
     v.outcome = "dismissed";
     return v;
   }
-  return again("interrupted", Requeue::kInterruption, job.interruptions, limits.interruptions,
-               problem(api::ProblemType::kInternal, "the job was interrupted too often", "start it again"));
+  return again(
+      "interrupted", Requeue::kInterruption, job.interruptions, limits.interruptions,
+      make_problem(api::ProblemType::kInternal, "the job was interrupted too often", "start it again"));
 }
 
 }  // namespace
@@ -132,17 +126,17 @@ Verdict judge_attempt(const ChildReport& report, const std::optional<api::Proble
     case ChildEnding::kStalled:
       return failure(
           "time", Requeue::kError,
-          problem(api::ProblemType::kTimeLimit,
-                  "the job made no progress for " + std::to_string(limits.stall_seconds) + " s", kLess));
+          make_problem(api::ProblemType::kTimeLimit,
+                       "the job made no progress for " + std::to_string(limits.stall_seconds) + " s", kLess));
     case ChildEnding::kFlooded:
       return failure(
           "failed", Requeue::kError,
-          problem(api::ProblemType::kAlgorithmFailed, "the job's process flooded the server with messages",
-                  "please report this mesh"));
+          make_problem(api::ProblemType::kAlgorithmFailed,
+                       "the job's process flooded the server with messages", "please report this mesh"));
     case ChildEnding::kNotStarted:
-      return again(
-          "not started", Requeue::kError, job.errors, limits.errors,
-          problem(api::ProblemType::kInternal, "the job's process could not be started", "try again later"));
+      return again("not started", Requeue::kError, job.errors, limits.errors,
+                   make_problem(api::ProblemType::kInternal, "the job's process could not be started",
+                                "try again later"));
   }
   return {};
 }

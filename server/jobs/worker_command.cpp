@@ -41,13 +41,7 @@ struct IoFailure {
 };
 
 void send(const WorkerMessage& message) {
-  const std::string line = to_line(message);
-  for (std::size_t at = 0; at < line.size();) {
-    const ssize_t put = ::write(kStatusDescriptor, line.data() + at, line.size() - at);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) ::_exit(kExitOurs);  // nobody listens any more
-    at += static_cast<std::size_t>(put);
-  }
+  if (!write_whole(kStatusDescriptor, to_line(message))) ::_exit(kExitOurs);  // nobody listens any more
 }
 
 std::string read_all(int fd) {
@@ -92,13 +86,9 @@ class MappedInput {
 }
 
 void write_all(int fd, const OutputFile& file) {
-  for (std::size_t at = 0; at < file.content.size();) {
-    const ssize_t put = ::write(fd, file.content.data() + at, file.content.size() - at);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0 && errno == EFBIG) refuse_size(file);
-    if (put < 0) throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
-    at += static_cast<std::size_t>(put);
-  }
+  if (write_whole(fd, file.content)) return;
+  if (errno == EFBIG) refuse_size(file);
+  throw IoFailure{"cannot write " + file.name + ": " + std::strerror(errno)};
 }
 
 void write_below(const OutputFile& file) {

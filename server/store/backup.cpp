@@ -2,6 +2,8 @@
 
 #include <SQLiteCpp/Backup.h>
 #include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <optional>
@@ -164,6 +166,25 @@ Named copy_once(const fs::path& data, const fs::path& target) {
   return named;
 }
 
+struct Owner {
+  uid_t user;
+  gid_t group;
+};
+
+Owner owner_of(const fs::path& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) refuse("the folder " + folder.string() + " cannot be looked at");
+  return {status.st_uid, status.st_gid};
+}
+
+/// What root has put into a folder of the server's user must be that user's, or the server could not read it.
+void give_to(const Owner& owner, const fs::path& folder) {
+  if (::geteuid() != 0) return;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (::lchown(entry.path().c_str(), owner.user, owner.group) != 0)
+      refuse("cannot give " + entry.path().string() + " to the owner of " + folder.string());
+}
+
 bool is_empty_folder(const fs::path& path) { return !fs::exists(path) || fs::is_empty(path); }
 
 }  // namespace
@@ -198,6 +219,7 @@ BackupSummary restore_backup(const fs::path& backup, const fs::path& data) {
     refuse("the folder " + data.string() + " is not empty; move its content away first");
   const BackupSummary summary = verify_backup(backup);
   make_folder_synced(data);
+  const Owner owner = owner_of(data);
   for (const char* name : {kMetadata, kBlobs, kTokens})
     if (fs::exists(backup / name)) fs::copy_file(backup / name, data / name);
   // Copies, not links: the backup stays whole whatever happens to the store.
@@ -206,6 +228,7 @@ BackupSummary restore_backup(const fs::path& backup, const fs::path& data) {
     fs::create_directories(input_path(data, digest).parent_path());
     fs::copy_file(input_path(backup, digest), input_path(data, digest));
   }
+  give_to(owner, data);
   sync_tree(data);
   return summary;
 }

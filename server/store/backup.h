@@ -19,7 +19,8 @@ BackupSummary make_backup(const std::filesystem::path& data, const std::filesyst
 /// Throws std::runtime_error naming the first thing that is wrong.
 BackupSummary verify_backup(const std::filesystem::path& backup);
 
-/// Verifies, then makes `data` (absent or empty) a store again. Throws std::runtime_error.
+/// Verifies, then makes `data` (absent or empty) a store again; by root, one of the folder's owner. Throws
+/// std::runtime_error.
 BackupSummary restore_backup(const std::filesystem::path& backup, const std::filesystem::path& data);
 
 }  // namespace sheetform::server

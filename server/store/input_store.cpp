@@ -15,16 +15,12 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kBuffer = 1 << 18;
 constexpr std::size_t kDirect = 1 << 16;  // pieces of this size are worth a call each
+constexpr int kPartFolders = 256;         // named by the first byte of a digest
 
 [[noreturn]] void refuse(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
 void write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::write(fd, bytes.data(), bytes.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) refuse("the upload could not be written");
-    bytes.remove_prefix(static_cast<std::size_t>(put));
-  }
+  if (!write_whole(fd, bytes)) refuse("the upload could not be written");
 }
 
 void sync_or_end(int fd, const char* what) {
@@ -79,6 +75,11 @@ InputStore::InputStore(const fs::path& data) : spool_(data / "spool"), folder_(d
   fs::create_directories(folder_);
   for (const fs::directory_entry& entry : fs::directory_iterator(spool_))
     if (entry.path().extension() == ".part") fs::remove(entry.path());
+  try {
+    make_part_folders();
+  } catch (const std::system_error& e) {
+    if (e.code() != std::errc::no_space_on_device) throw;  // what is stored can be read on a full disk
+  }
   // The folders must outlive a power cut as well as what is put into them.
   for (const fs::path& folder : {folder_.parent_path(), data}) sync_folder(folder);
 }
@@ -88,14 +89,25 @@ fs::path InputStore::path_of(const std::string& digest) const {
   return folder_ / hex.substr(0, 2) / hex;
 }
 
-/// A folder that is there may have been made by an upload of this moment, or by a server that was killed
-/// before it could sync it: only what this process has synced is known to last.
-void InputStore::make_part_folder(const fs::path& folder) {
-  const std::lock_guard lock(mutex_);
-  if (synced_.count(folder) > 0) return;
-  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) refuse("the upload could not be stored");
+/// All at once, so that no upload waits for a folder. One that is there already may have been made by a
+/// server that was killed before it could sync it.
+void InputStore::make_part_folders() const {
+  for (int i = 0; i < kPartFolders; ++i) {
+    const fs::path part = folder_ / to_hex(std::string(1, static_cast<char>(i)));
+    if (::mkdir(part.c_str(), 0700) != 0 && errno != EEXIST) refuse("the upload could not be stored");
+  }
   sync_folder(folder_);
-  synced_.insert(folder);
+}
+
+/// False when there is such a file already.
+bool InputStore::name(const Upload& upload, const fs::path& target) const {
+  int linked = ::link(upload.path_.c_str(), target.c_str());
+  if (linked != 0 && errno == ENOENT) {  // the disk was full when the server started
+    make_part_folders();
+    linked = ::link(upload.path_.c_str(), target.c_str());
+  }
+  if (linked != 0 && errno != EEXIST) refuse("the upload could not be stored");
+  return linked == 0;
 }
 
 void InputStore::keep(Upload& upload) {
@@ -104,13 +116,10 @@ void InputStore::keep(Upload& upload) {
     if (errno == ENOSPC || errno == EDQUOT) refuse("the upload could not be stored");
     end_after_storage_failure("fdatasync of an upload");
   }
-  make_part_folder(target.parent_path());
-  if (::link(upload.path_.c_str(), target.c_str()) != 0) {
-    if (errno != EEXIST) refuse("the upload could not be stored");
-    // The same bytes are there already. Fresh again, so that the collector leaves them to the job that comes
-    // now.
-    if (::utimensat(AT_FDCWD, target.c_str(), nullptr, 0) != 0) refuse("the upload could not be stored");
-  }
+  // The same bytes that are there already are fresh again: the collector leaves them to the job that comes
+  // now.
+  if (!name(upload, target) && ::utimensat(AT_FDCWD, target.c_str(), nullptr, 0) != 0)
+    refuse("the upload could not be stored");
   sync_folder(target.parent_path());
 }
 

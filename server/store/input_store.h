@@ -2,8 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -54,11 +52,10 @@ class InputStore {
 
  private:
   std::filesystem::path path_of(const std::string& digest) const;
-  void make_part_folder(const std::filesystem::path& folder);
+  void make_part_folders() const;
+  bool name(const Upload& upload, const std::filesystem::path& target) const;
 
   std::filesystem::path spool_, folder_;
-  std::mutex mutex_;
-  std::set<std::filesystem::path> synced_;  ///< folders whose names this process has synced
 };
 
 }  // namespace sheetform::server

@@ -99,12 +99,14 @@ def long_queue(figures, long, rng):
             time.sleep(20)  # all of them would take a quarter of an hour
         else:
             until_idle(server, 60 + count)
-        seconds, jobs = time.monotonic() - begun, sorted(all_jobs(server).values(), key=lambda job: job["created"])
-        states = [job["status"] for job in jobs if job["jobID"] != blocker]
-        done = states.count("successful")
-        expect(len(states) == count, f"of {count} jobs {len(states)} are there")
-        expect(done > 0 and states[:done] == ["successful"] * done, "jobs overtake each other")
-        figures.put(worked_off_per_second=done / seconds)
+        seconds, jobs = time.monotonic() - begun, all_jobs(server).values()
+        jobs = [job for job in jobs if job["jobID"] != blocker]
+        expect(len(jobs) == count, f"of {count} jobs {len(jobs)} are there")
+        done = [job["created"] for job in jobs if job["status"] == "successful"]
+        others = [job["created"] for job in jobs if job["status"] != "successful"]
+        # Those of one millisecond have no order here.
+        expect(done and (not others or max(done) <= min(others)), "jobs overtake each other")
+        figures.put(worked_off_per_second=len(done) / seconds)
 
 
 @trial("T10s", "uploads of many at a disk whose syncs take 10 ms: they share them")
@@ -177,6 +179,7 @@ def large_uploads(figures, long, rng):
         mib = count * (size >> 20)
         figures.put(uploads=count, mib_each=size >> 20, mib_per_second=mib / seconds, disk_before=plain[0], disk_after=plain[1],
                     share_of_disk=mib / seconds / (sum(plain) / 2))
+        figures.bar("share_of_slower_disk", mib / seconds / min(plain), least=0.8)
         # Hashing a GiB takes 0.6 s of a processor, receiving and writing it about as much each.
         figures.bar("server_seconds_per_gib", used * 1024 / mib, most=3)
         figures.bar("memory_peak_mib", peak[0] / 2**20, most=150)
@@ -217,7 +220,7 @@ def crashing_jobs(figures, long, rng):
         for job_id in good:
             expect(server.wait(job_id, timeout=600)["status"] == "successful", "a good job was harmed")
         expect(server.process.pid == pid and server.process.poll() is None, "the server died")
-        expect(not server.children() and not os.listdir(server.data + "/work"), "something is left behind")
+        server.until_tidy()
         expect(not strays(server.data), "a process that a job had begun lives on")
         figures.put(bad=len(bad), good=len(good))
 
@@ -243,8 +246,7 @@ def cancels(figures, long, rng):
         answers = in_threads(10, lambda i: [server.request("DELETE", f"/api/v1/jobs/{j}", check=False).status for j in ids[i::10]])
         expect({s for some in answers for s in some} == {200}, "a cancel of the storm was refused")
         until_idle(server, 60)
-        time.sleep(1)
-        expect(not server.children() and not os.listdir(server.data + "/work"), "something is left behind")
+        server.until_tidy()
         expect(server.wait(server.submit()["jobID"])["status"] == "successful", "no job runs any more")
         figures.put(storm=storm)
 

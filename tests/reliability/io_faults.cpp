@@ -1,10 +1,12 @@
 // Preloaded into a server (LD_PRELOAD): makes syncs fail or slow, the disk full and the clock jump, without
 // any privilege. What to do is told by the environment; the jobs' processes do not inherit it.
-//   FAULT_SYNC=N      the N-th fsync or fdatasync of the process fails with EIO; FAULT_FIRED=FILE is made
-//   then FAULT_SLOW=N      every sync takes N milliseconds more FAULT_FULL=FILE   while FILE exists, nothing
-//   can be written into files on the device of FAULT_FOLDER, and
-//                     no space is free
-//   FAULT_CLOCK=FILE  eight bytes, a number of nanoseconds that is added to the wall clock
+//
+//   FAULT_SYNC=N       the N-th fsync or fdatasync of the process fails with EIO,
+//   FAULT_FIRED=FILE   and this file is made
+//   FAULT_SLOW=N       every sync takes N milliseconds more
+//   FAULT_FULL=FILE    while it exists, no space is free and no file can be written
+//   FAULT_FOLDER=PATH  on the device of this
+//   FAULT_CLOCK=FILE   eight bytes, a number of nanoseconds that is added to the wall clock
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -58,7 +58,7 @@ def drain(figures, long, rng):
         for t in threads:
             t.start()
         began.wait()
-        time.sleep(0.2)
+        server.until_streams(streams)
         begun = time.monotonic()
         expect(server.stop(signal.SIGTERM) == 0, "the exit status is not 0")
         figures.bar("seconds", time.monotonic() - begun, most=22)
@@ -106,12 +106,12 @@ def many_streams(figures, long, rng):
     count = 190 if long else 30
     with Server("--slots", "1", "--quiet") as server:
         memory = server.memory()
-        job_id = server.submit(name="work-5000.obj" if long else "work-1500.obj")["jobID"]
+        job_id = server.submit(name="work-9000.obj" if long else "work-3000.obj")["jobID"]
         told, peak, times = [], [], []
         crowd = threading.Thread(target=lambda: told.extend(
             in_threads(count, lambda i: stream(server, f"/api/v1/jobs/{job_id}/events"))))
         crowd.start()
-        time.sleep(1)
+        server.until_streams(count)
         peak.append(server.memory())
         times += latencies(server.port, "/api/v1/jobs", 200 if long else 10)
         crowd.join()

@@ -83,7 +83,7 @@ class Server:
 
     def find_port(self):
         """Waits until the process of the last start() serves."""
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while time.monotonic() < deadline and self.process.poll() is None:
             match = re.search(rb'"msg":"serving".*?"url":"http://[^"]*:(\d+)"', self.log_bytes(self.begin))
             if match:
@@ -159,6 +159,22 @@ class Server:
                 return job
             time.sleep(0.02)
         raise AssertionError(f"the job did not get to {until}: {job}")
+
+    def until(self, what, good, timeout=30):
+        """Waits until good() holds; `what` is told when it does not come to that."""
+        deadline = time.monotonic() + timeout
+        while not good():
+            assert time.monotonic() < deadline, f"not within {timeout} s: {what}"
+            time.sleep(0.02)
+
+    def until_streams(self, count):
+        """Waits until so many event streams are open."""
+        told = f"sheetform_event_streams {count}\n".encode()
+        self.until(f"{count} streams", lambda: told in self.request("GET", "/metrics", check=False).body)
+
+    def until_tidy(self):
+        """Waits until no job has a process or a folder."""
+        self.until("nothing is left of the jobs", lambda: not self.children() and not os.listdir(self.data + "/work"))
 
     def raw(self, data, timeout=20, close_write=False):
         """Sends bytes as they are; everything that comes back until the connection ends."""

@@ -212,7 +212,7 @@ class Jobs(ServerCase):
         self.assert_problem(self.server.get(following.replace("tag=cursor", "tag=other")), 400, "invalid-query-parameter-value")
 
     def test_results_before_the_end(self):
-        job = self.server.submit(name="work-2000.obj")
+        job = self.server.submit(name="work-20000.obj")
         answer = self.server.get(f"/api/v1/jobs/{job['jobID']}/results")
         self.assert_problem(answer, 404, "result-not-ready")
         self.assertTrue(answer.json()["retryable"])
@@ -227,7 +227,7 @@ class Jobs(ServerCase):
         self.assertEqual(answer.json()["fix"], "cut it open")
 
     def test_dismiss_and_remove(self):
-        job = self.server.submit(name="work-5000.obj")["jobID"]
+        job = self.server.submit(name="work-20000.obj")["jobID"]
         self.server.wait(job, until=("running",))
         answer = self.server.request("DELETE", f"/api/v1/jobs/{job}")
         self.assertEqual((answer.status, answer.json()["status"]), (200, "dismissed"))
@@ -251,7 +251,7 @@ class Jobs(ServerCase):
         self.assertEqual(answer.json()["status"], "successful")
         self.assertEqual(answer.headers["Preference-Applied"], "wait=20")
         self.assertGreater(time.monotonic() - begun, 0.25)
-        job = self.server.submit(name="work-3000.obj")["jobID"]
+        job = self.server.submit(name="work-20000.obj")["jobID"]
         self.server.wait(job, until=("running",))
         begun = time.monotonic()
         self.assertEqual(self.server.get(f"/api/v1/jobs/{job}", Prefer="wait=1").json()["status"], "running")
@@ -309,6 +309,36 @@ class FirstSteps(ServerCase):
 
     def test_misspelt_parameter(self):
         self.assertIn("e_max", self.fix(arc(), "?emax=0.1"))
+
+    def test_parameter_by_another_name(self):
+        for name, meant in [("unit", "scale (Millimetres for one unit)"), ("units", "scale"), ("tolerance", "e_max (Tolerance)"),
+                            ("size", "target_size")]:
+            self.assertIn("may mean " + meant, self.fix(arc(), f"?{name}=1"))
+            document = json.dumps({"inputs": {"mesh": base64.b64encode(arc()).decode(), name: 1}}).encode()
+            self.assertIn(meant, self.fix(document, Content_Type="application/json"))
+        self.assertNotIn("may mean", self.fix(arc(), "?colour=red"))
+
+    def test_percent_and_units(self):
+        self.assertIn("0.02 is 2 %", self.fix(arc(), "?e_max=2"))
+        self.assertIn("(mm)", self.fix(arc(), "?target_size=300mm"))
+
+    def test_name_of_the_file_instead_of_the_file(self):
+        part = b'--b\r\nContent-Disposition: form-data; name="mesh"\r\n\r\nmy lamp.STL\r\n--b--\r\n'
+        self.assertIn("with the @", self.fix(part, Content_Type="multipart/form-data; boundary=b"))
+
+    def test_mesh_called_json(self):
+        self.assertIn("--data-binary", self.fix(arc(), Content_Type="application/json"))
+
+    def test_empty_variable_in_an_address(self):
+        answer = self.server.get("/api/v1/jobs//results")
+        self.assert_problem(answer, 400, "malformed-request")
+        self.assertIn("variable", answer.json()["fix"])
+
+    def test_picture(self):
+        picture = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4
+        answer = self.server.request("POST", EXECUTION, picture)
+        self.assert_problem(answer, 422, "unreadable-mesh")
+        self.assertIn("picture", answer.json()["detail"])
 
     def test_path_instead_of_content(self):
         self.assertIn("base64", self.fix(b'{"inputs":{"mesh":"arc.obj"}}', Content_Type="application/json"))

@@ -71,10 +71,7 @@ class Restart(unittest.TestCase):
             children = server.children()
             self.assertEqual(len(children), 2)
             server.stop(signal.SIGKILL)
-            deadline = time.monotonic() + 3
-            while any(os.path.exists(f"/proc/{c}") for c in children) and time.monotonic() < deadline:
-                time.sleep(0.02)
-            self.assertFalse([c for c in children if os.path.exists(f"/proc/{c}")])
+            server.until("the children are gone", lambda: not any(os.path.exists(f"/proc/{c}") for c in children))
 
     def test_those_who_look_at_uploads_die_with_the_server(self):
         with Server(fake=False) as server:
@@ -95,10 +92,7 @@ class Restart(unittest.TestCase):
                 self.assertEqual(its, theirs)
             server.stop(signal.SIGKILL)
             upload.join()
-            deadline = time.monotonic() + 3
-            while any(os.path.exists(f"/proc/{pid}") for pid in family) and time.monotonic() < deadline:
-                time.sleep(0.02)
-            self.assertFalse([pid for pid in family if os.path.exists(f"/proc/{pid}")])
+            server.until("all of them are gone", lambda: not any(os.path.exists(f"/proc/{pid}") for pid in family))
 
     @staticmethod
     def send_and_lose(server):
@@ -153,9 +147,7 @@ class Restart(unittest.TestCase):
         with Server() as server:
             with socket.create_connection(("127.0.0.1", server.port)) as s:
                 s.sendall(f"POST {EXECUTION} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\nv 0 0 0".encode())
-                deadline = time.monotonic() + 5
-                while not os.listdir(server.data + "/spool") and time.monotonic() < deadline:
-                    time.sleep(0.01)
+                server.until("the upload has begun", lambda: os.listdir(server.data + "/spool"))
                 self.assertEqual(len(os.listdir(server.data + "/spool")), 1)
                 server.restart(signal.SIGKILL)
             self.assertEqual(os.listdir(server.data + "/spool"), [])
@@ -197,17 +189,16 @@ class Drain(unittest.TestCase):
     def test_downloads_finish_and_streams_are_told(self):
         with Server("--slots", "1", "--drain", "10") as server:
             job = server.wait(server.submit()["jobID"])["jobID"]
-            slow, sizes, streams = server.submit(name="work-2000.obj")["jobID"], [], []
+            slow, sizes, streams = server.submit(name="work-4000.obj")["jobID"], [], []
             server.wait(slow, until=("running",))
+            began = threading.Barrier(11)
             def download():
                 with socket.create_connection(("127.0.0.1", server.port), timeout=20) as s:
                     s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
                     s.sendall(f"GET /api/v1/jobs/{job}/results/big.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
-                    total = 0
-                    while True:
-                        piece = s.recv(50000)
-                        if not piece:
-                            break
+                    total = len(s.recv(100))
+                    began.wait(60)
+                    while piece := s.recv(50000):
                         total += len(piece)
                         time.sleep(0.01)
                     sizes.append(total)
@@ -215,7 +206,8 @@ class Drain(unittest.TestCase):
             threads += [threading.Thread(target=lambda: streams.append(events_of(server, "/api/v1/events"))) for _ in range(10)]
             for t in threads:
                 t.start()
-            time.sleep(0.3)
+            began.wait(60)
+            server.until_streams(10)
             self.assertEqual(server.stop(signal.SIGTERM), 0)
             for t in threads:
                 t.join()
@@ -225,26 +217,25 @@ class Drain(unittest.TestCase):
 
     def test_no_new_jobs_while_stopping(self):
         with Server("--slots", "1", "--drain", "10") as server:
-            job = server.submit(name="work-1500.obj")["jobID"]
+            job = server.submit(name="work-5000.obj")["jobID"]
             server.wait(job, until=("running",))
             server.process.send_signal(signal.SIGTERM)
-            time.sleep(0.2)
+            server.until("not ready", lambda: server.request("GET", "/readyz", check=False).status == 503)
             answer = server.request("POST", EXECUTION, unique_mesh(), check=False)
             self.assertEqual((answer.status, answer.slug()), (503, "draining"))
-            self.assertEqual(server.request("GET", "/readyz", check=False).status, 503)
             self.assertEqual(server.process.wait(20), 0)
 
 
 class Events(unittest.TestCase):
     def test_replay_without_gap_or_duplicate(self):
         with Server("--slots", "1") as server:
-            job = server.submit(name="work-1500.obj")["jobID"]
+            job = server.submit(name="work-3000.obj")["jobID"]
             path = f"/api/v1/jobs/{job}/events"
             first = []
             thread = threading.Thread(target=lambda: first.append(self.until_cut(server, path)))
             thread.start()
-            server.wait(job, until=("running",))
-            time.sleep(0.5)
+            server.until_streams(1)
+            server.until("some events", lambda: server.job(job)["progress"] >= 20)
             server.restart(signal.SIGKILL)
             thread.join()
             seen = [int(i) for i, _, _ in first[0] if i]
@@ -280,7 +271,7 @@ class Events(unittest.TestCase):
             got = []
             thread = threading.Thread(target=lambda: got.append(events_of(server, "/api/v1/events", stop_after=6)))
             thread.start()
-            time.sleep(0.3)
+            server.until_streams(1)
             job = server.submit(name="work-200.obj")["jobID"]
             server.wait(job)
             server.request("DELETE", f"/api/v1/jobs/{old}")
@@ -323,6 +314,18 @@ class Backup(unittest.TestCase):
                         self.assertEqual(hashlib.sha256(again.get(entry["href"]).body).hexdigest(), entry["sha256"])
                 self.assertEqual(again.wait(queued)["status"], "successful")
             self.assertEqual(run("backup", folder + "/copy", "--data", server.data).returncode, 65)
+
+    @unittest.skipIf(os.geteuid() != 0, "only root can give files away")
+    def test_a_store_that_root_restores_belongs_to_the_folders_owner(self):
+        with Server() as server, tempfile.TemporaryDirectory() as folder:
+            server.wait(server.submit()["jobID"])
+            os.mkdir(folder + "/data", 0o770)
+            os.chown(folder + "/data", 10001, 10002)
+            for command in (("backup", folder + "/copy", "--data", server.data), ("restore", folder + "/copy", "--data", folder + "/data")):
+                subprocess.run([PROGRAM, *command], check=True, stdout=subprocess.DEVNULL, timeout=60)
+            found = [os.path.join(f, name) for f, folders, files in os.walk(folder + "/data") for name in folders + files]
+            self.assertGreater(len(found), 4)
+            self.assertEqual({(os.stat(path).st_uid, os.stat(path).st_gid) for path in found}, {(10001, 10002)})
 
     def test_damage_is_found(self):
         with Server() as server, tempfile.TemporaryDirectory() as folder:

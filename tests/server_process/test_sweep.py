@@ -176,25 +176,29 @@ class Sweep(ServerCase):
 
 
 class OutOfTime(ServerCase):
-    """A sweep whose time runs out: the limit is so many times what one tolerance takes here and now."""
+    """A sweep whose time runs out: the limit is so many times what one tolerance takes here and now. On a machine that
+    others use now is soon over; then another mesh is tried."""
     fake = False
-    MESH = bowl(around=64, up=24)
     TOLERANCES = [0.002 + 0.0001 * k for k in range(10)]  # each as much work as the other
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        begun = time.monotonic()
-        cls.server.wait(cls.server.submit(cls.MESH, name="cap.obj", e_max=cls.TOLERANCES[0])["jobID"], timeout=300)
-        seconds = time.monotonic() - begun
-        cls.server.options += ["--job-seconds", str(max(1, round(3.5 * seconds)))]
-        cls.server.restart(signal.SIGTERM)
-        cls.job = cls.server.wait(cls.submit()["jobID"], timeout=600)
+        unlimited = cls.server.options
+        for around in range(64, 68):
+            cls.mesh, begun = bowl(around=around, up=24), time.monotonic()
+            cls.server.wait(cls.server.submit(cls.mesh, name="cap.obj", e_max=cls.TOLERANCES[0])["jobID"], timeout=300)
+            seconds = time.monotonic() - begun
+            cls.server.options = [*unlimited, "--job-seconds", str(max(1, round(3.5 * seconds)))]
+            cls.server.restart(signal.SIGTERM)
+            cls.job = cls.server.wait(cls.submit()["jobID"], timeout=600)
+            if cls.job.get("report", {}).get("missing"):
+                return
 
     @classmethod
     def submit(cls):
         query = "?e_max=" + ",".join(f"{e:.4f}" for e in cls.TOLERANCES)
-        return cls.server.request("POST", SWEEP + query, cls.MESH).json()
+        return cls.server.request("POST", SWEEP + query, cls.mesh).json()
 
     def test_the_finished_points_are_its_result(self):
         self.assertEqual(self.job["status"], "successful", self.job)
@@ -272,6 +276,17 @@ class Finished(ServerCase):
         self.assertEqual(self.finish(job).status, 200)
         report = self.server.wait(job, timeout=300)["report"]
         self.assertEqual((len(report["curve"]), report["stopped"]), (1, True))
+
+    def test_a_restart_forgets_the_wish_and_loses_no_point(self):
+        job, at = self.begin(4)
+        at(2)
+        self.assertEqual(self.finish(job).status, 200)
+        self.server.restart(signal.SIGKILL)
+        ended = self.server.wait(job, timeout=60)
+        if ended["attempt"] == 1:
+            self.skipTest("it had ended before the kill")
+        self.assertEqual(len(ended["report"]["curve"]), len(self.TOLERANCES))
+        self.assertNotIn("stopped", ended["report"])
 
     def test_a_cancel_still_cancels(self):
         job, at = self.begin(2)

@@ -26,7 +26,7 @@ void refuse_other_formats(std::string_view bytes) {
     std::string_view magic;
     const char* name;
   };
-  static constexpr std::array<Other, 10> kOthers{{{"PK\x03\x04", "a ZIP archive (3MF is one)"},
+  static constexpr std::array<Other, 13> kOthers{{{"PK\x03\x04", "a ZIP archive (3MF is one)"},
                                                   {"\x1F\x8B", "gzip data"},
                                                   {"glTF", "a binary glTF"},
                                                   {"Kaydara FBX", "an FBX"},
@@ -35,6 +35,9 @@ void refuse_other_formats(std::string_view bytes) {
                                                   {"\xFF\xFE", "UTF-16 text"},
                                                   {"\xFE\xFF", "UTF-16 text"},
                                                   {"%PDF", "a PDF"},
+                                                  {"\x89PNG", "a picture (PNG)"},
+                                                  {"\xFF\xD8\xFF", "a picture (JPEG)"},
+                                                  {"GIF8", "a picture (GIF)"},
                                                   {"<", "an XML or HTML text"}}};
   for (const Other& other : kOthers)
     if (bytes.substr(0, other.magic.size()) == other.magic)

@@ -419,6 +419,17 @@ TEST(InputStore, KeepsOnceUnderTheDigest) {
   EXPECT_FALSE(inputs.open(sha256(content)).valid());
 }
 
+TEST(InputStore, KeepsWhereTheFoldersCouldNotBeMadeAtTheStart) {
+  const Folder folder;
+  InputStore inputs(folder.path());
+  for (const fs::directory_entry& part : fs::directory_iterator(folder.path() / "blobs" / "in"))
+    fs::remove(part.path());  // as when the disk was full
+  Upload upload(inputs.spool());
+  upload.add("abc");
+  inputs.keep(upload);
+  EXPECT_TRUE(inputs.open(sha256("abc")).valid());
+}
+
 TEST(InputStore, AnUploadThatIsLeftAloneLeavesNothing) {
   const Folder folder;
   InputStore inputs(folder.path());
