@@ -50,6 +50,16 @@ it("makes them all, and the list shows them", async () => {
   assert.equal(await up().inputValue(), "x");
 });
 
+it("looks the same on another device", async () => {
+  const other = await Window.open(browser, server);
+  await other.goto(new URL(page.url()).hash);
+  await other.ready();
+  assert.equal(await up(other.page).inputValue(), "x");
+  await other.page.getByText(/plywood/).first().waitFor();
+  assert.deepEqual(other.complaints, []);
+  await other.close();
+});
+
 it("prints the pictures that way up, and hands it on with the link", async () => {
   await page.getByRole("tab", { name: "Files" }).click();
   await page.locator(".sheet-preview img").waitFor();

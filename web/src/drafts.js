@@ -95,6 +95,9 @@ function offerSize(draft) {
   draft.offered = { scale, longest };
 }
 
+/** The ways a shape may stand: the axis of the mesh that points up. */
+export const UPS = ["z", "y", "x", "-z", "-y", "-x"];
+
 /** STL comes from CAD and printing, where z is up; in OBJ, PLY and OFF it is mostly y. Samples say so in their name. */
 export function guessUp({ format }) {
   return format === "stl" ? "z" : "y";

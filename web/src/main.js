@@ -1,8 +1,9 @@
 // The page's frame: header, routes (#, #new, #job/<id>, #job/<sweep>/<point>), files dropped anywhere, light and dark.
 import { ProblemError, getProcess, openPoint, openSession } from "./api.js";
 import { freshId, h, replace } from "./dom.js";
-import { drafts } from "./drafts.js";
+import { UPS, drafts } from "./drafts.js";
 import { jobs } from "./jobs.js";
+import { MATERIALS } from "./materials.js";
 import { knownOf, recall, remember, rememberOf } from "./prefs.js";
 import { homePage } from "./ui/home.js";
 import { icon } from "./ui/icons.js";
@@ -184,8 +185,9 @@ class App {
 /** A link may say how a result was looked at (#job/<id>?up=y&material=paper); what is known here already stays. */
 function takeAlong(id, place, more) {
   const told = new URLSearchParams(more);
-  const wanted = Object.fromEntries(["up", "material"].flatMap((name) => (told.has(name) ? [[name, told.get(name)]] : [])));
-  rememberOf(id, { ...wanted, ...knownOf(id) });
+  const known = { up: UPS, material: MATERIALS.map((material) => material.id) };
+  const wanted = Object.entries(known).filter(([name, values]) => values.includes(told.get(name)));
+  rememberOf(id, { ...Object.fromEntries(wanted.map(([name]) => [name, told.get(name)])), ...knownOf(id) });
   history.replaceState(null, "", `#job/${place}`);
 }
 

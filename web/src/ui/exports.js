@@ -68,8 +68,7 @@ class ExportPanel {
 
   href(format, more = {}) {
     const { href } = this.formats.find((one) => one.format === format);
-    const up = this.up() ?? "z";
-    return hrefOf(href, queryOfWish(this.parameters, this.values, up === "z" ? more : { up, ...more }));
+    return hrefOf(href, queryOfWish(this.parameters, this.values, { up: this.up() ?? "z", ...more }));
   }
 
   /** Asks for the list of parts first: it says how many sheets there are, or what is wrong with the choice. */
