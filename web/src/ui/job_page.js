@@ -5,13 +5,14 @@ import { drafts, guessUp } from "../drafts.js";
 import { count, duration, extent } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
-import { knownOf, rememberOf } from "../prefs.js";
+import { rememberOf } from "../prefs.js";
 import { finishedOf, isSweep, stepOf } from "../result/trade_off.js";
-import { asAsked, scaleOf } from "../variants.js";
+import { asAsked, scaleOf, viewOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
+import { fileHead } from "./file_head.js";
 import { icon } from "./icons.js";
-import { problemBox } from "./problem.js";
+import { inPageWords, marked, problemBox } from "./problem.js";
 import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
 import { sweepView } from "./sweep_view.js";
@@ -91,7 +92,7 @@ class JobPage {
     }
     if (kind === "failed" || kind === "dismissed") {
       this.showEnded(job);
-      if (before !== "active") this.showInput(job);
+      if (before !== "active" || job.exception) this.showInput(job); // again, with what is wrong marked
     }
     if (kind === "successful") {
       if (isSweep(job)) this.showSweep(job);
@@ -106,7 +107,7 @@ class JobPage {
   }
 
   up(mesh) {
-    return knownOf(this.id).up ?? guessUp(mesh);
+    return viewOf(jobs.get(this.id) ?? { jobID: this.id }).up ?? guessUp(mesh);
   }
 
   rememberUp(up) {
@@ -126,13 +127,15 @@ class JobPage {
     const [mesh, guides] = await Promise.all([this.mesh(), getGuides(job).catch(() => null)]);
     if (this.gone || this.result) return;
     if (!mesh) return this.stage.clear("The mesh cannot be shown.");
+    const places = placesOf(job.exception, mesh);
     this.stage.showInput(mesh, {
       up: this.up(mesh),
       scale: scaleOf(job),
       onUp: (up) => this.rememberUp(up),
-      places: placesOf(job.exception, mesh),
+      places,
       guides: new Guides(guides),
     });
+    if (places.length > 0) this.showEnded(job, places);
   }
 
   showProgress(job) {
@@ -142,7 +145,7 @@ class JobPage {
     const left = secondsLeft(job);
     const elapsed = job.started ? (Date.now() - new Date(job.started).getTime()) / 1000 : 0;
     this.progress ??= this.makeProgress();
-    const { bar, percentText, times, stages, heading, facts } = this.progress;
+    const { bar, percentText, times, stages, heading } = this.progress;
     heading.textContent = waiting
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
@@ -161,7 +164,6 @@ class JobPage {
       item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
       item.toggleAttribute("aria-current", !waiting && k === done);
     });
-    if (facts.textContent !== (factsOf(job)?.textContent ?? "")) replace(facts, factsOf(job));
     this.progress.keep.hidden = waiting || finishedOf(job) === 0;
     this.progress.keep.textContent = wordsOfStop(job);
     if (!this.progress.element.isConnected) replace(this.panel, this.progress.element);
@@ -171,8 +173,7 @@ class JobPage {
     const bar = h("progress", { max: "100", "aria-label": "Progress" });
     const percentText = h("strong", { class: "percent" });
     const times = h("p", { class: "hint times" });
-    const heading = h("h2", {});
-    const facts = h("div", {});
+    const heading = h("h3", {});
     const note = h("div", {});
     const keep = stopButton(jobs.get(this.id), note, "");
     const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
@@ -196,20 +197,22 @@ class JobPage {
     const element = h(
       "div",
       { class: "progress-panel" },
+      headOf(jobs.get(this.id)),
       heading,
       h("div", { class: "percent-row" }, percentText, times),
       h("div", { class: "row bar-row" }, bar, cancel),
       keep,
       h("ol", { class: "stages" }, stages),
-      facts,
       note,
     );
-    return { element, bar, percentText, times, stages, heading, facts, keep };
+    return { element, bar, percentText, times, stages, heading, keep };
   }
 
-  showEnded(job) {
+  showEnded(job, places = []) {
     // A mesh that was refused will be refused again; one that took too long may do with other settings.
-    const refused = job.exception?.status === 422 && !/(time|memory)-limit$/.test(job.exception.type ?? "");
+    const { status, type = "", where = "" } = job.exception ?? {};
+    const setting = this.process.inputs[where.split(",")[0]] !== undefined; // it is not the mesh that is at fault
+    const refused = status === 422 && !setting && !/(time|memory)-limit$/.test(type);
     const another = h("a", { class: "button primary", href: "#" }, "Choose another mesh");
     const again = h(
       "button",
@@ -219,20 +222,23 @@ class JobPage {
     );
     const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
     const remove = removeButton("Remove", () => this.act(() => jobs.dismiss(this.id)), "");
-    const ways = refused ? [another, again, remove] : [again, retry, remove];
+    const ways = refused ? [another, again, remove] : [again, !setting && retry, remove];
+    const problem = job.exception
+      ? inPageWords(job.exception, this.process.inputs)
+      : { title: "The job failed", detail: job.message };
     this.note = h("div", {});
     replace(
       this.panel,
+      headOf(job),
       job.status === "failed"
-        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, ...ways)
+        ? problemBox(marked(problem, places), ...ways)
         : h(
             "section",
             { class: "ended" },
-            h("h2", {}, "Cancelled"),
+            h("h3", {}, "Cancelled"),
             h("p", {}, "The job was stopped before it was done."),
             h("div", { class: "row" }, ways),
           ),
-      factsOf(job),
       this.note,
     );
   }
@@ -251,8 +257,7 @@ class JobPage {
       const name = job.inputs?.mesh?.name || "mesh.obj";
       const [mesh, guides] = await Promise.all([getInput(this.id), getGuides(job)]);
       const file = new File([mesh], name);
-      const { up, material } = knownOf(this.id);
-      const { e_max, scale, ...values } = { ...asAsked(job), ...change };
+      const { e_max, scale, up, material, ...values } = { ...asAsked(job), ...change };
       // Of a sweep, which has many tolerances, none is taken over.
       drafts.open([file], { tag: job.tag, scale, guides, values: isSweep(job) ? values : { ...values, e_max } });
       if (up) drafts.draft.up = up;
@@ -280,7 +285,7 @@ class JobPage {
       mesh: () => this.mesh(),
       up: (mesh) => this.up(mesh),
       onUp: (up) => this.rememberUp(up),
-      material: knownOf(this.id).material,
+      material: viewOf(job).material,
       go: this.go,
       runAgain: (change) => this.runAgain(job, change),
       remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
@@ -289,14 +294,13 @@ class JobPage {
   }
 }
 
-/** What the server understood of the mesh. */
-export function factsOf(job) {
-  const mesh = job.inputs?.mesh;
-  if (!mesh) return null;
-  const size = mesh.sizeMm && extent(...mesh.sizeMm);
-  return h(
-    "p",
-    { class: "hint" },
-    [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "),
-  );
+/** What the job is called, and what the server understood of the mesh. */
+function headOf(job) {
+  const mesh = job.inputs?.mesh ?? {};
+  const facts = [
+    job.tag && mesh.name,
+    mesh.faces && count(mesh.faces, "triangle"),
+    mesh.sizeMm && extent(...mesh.sizeMm),
+  ].filter(Boolean);
+  return fileHead(titleOf(job), facts);
 }

@@ -8,6 +8,7 @@ import { parseResult } from "../result/parse_result.js";
 import { certificate } from "./certificate.js";
 import { downloads } from "./downloads.js";
 import { exportPanel } from "./exports.js";
+import { fileHead } from "./file_head.js";
 import { figures } from "./figures.js";
 import { icon } from "./icons.js";
 import { partsList } from "./parts_list.js";
@@ -211,7 +212,7 @@ export class ResultView {
       },
       buttons,
     );
-    replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
+    replace(this.panel, fileHead(titleOf(this.job)), bar, body);
     const narrow = (this.narrow = matchMedia("(max-width: 760px)"));
     const adapt = () => select(narrow.matches ? "shape" : "result");
     narrow.addEventListener("change", adapt);

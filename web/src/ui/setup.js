@@ -1,21 +1,22 @@
 // Before anything is computed: what was dropped, how large it becomes, of what, and how closely.
 import { execute } from "../api.js";
 import { freshId, h, replace } from "../dom.js";
-import { drafts, extents } from "../drafts.js";
+import { drafts, extents, guessUp } from "../drafts.js";
 import { bytes, count, millimetres } from "../format.js";
 import { jobs } from "../jobs.js";
 import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
-import { keepPicture, recall, remember, rememberOf } from "../prefs.js";
+import { keepPicture, recall, remember } from "../prefs.js";
 import { placesOf } from "../result/places.js";
 import { guideList } from "./draw_tools.js";
+import { fileHead } from "./file_head.js";
 import { icon } from "./icons.js";
-import { problemBox } from "./problem.js";
+import { inPageWords, marked, problemBox } from "./problem.js";
 import { SchemaForm } from "./schema_form.js";
 import { sizeField } from "./size_field.js";
 import { toleranceField } from "./tolerance_field.js";
 
 /** Parameters that have a field of their own on this page. */
-const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm"]);
+const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm", "material", "up"]);
 
 export function setupPage({ go, stage, process }) {
   const panel = h("section", { class: "panel", "aria-label": "Settings" });
@@ -31,6 +32,9 @@ export function setupPage({ go, stage, process }) {
   const update = () => {
     const draft = drafts.draft;
     if (!draft) return go("#");
+    const rest = draft.error?.rest; // of a damaged file
+    if (rest && shown !== rest)
+      stage.showInput(rest, { up: guessUp(rest), scale: draft.scale, places: draft.error.places });
     if (draft.mesh && shown !== draft.mesh) {
       stage.showInput(draft.mesh, {
         up: draft.up,
@@ -42,12 +46,9 @@ export function setupPage({ go, stage, process }) {
           page.size?.setUp(up);
         },
       });
-      shown = draft.mesh;
     }
-    if (!draft.mesh) {
-      stage.clear(draft.error ? "" : "Reading the mesh …");
-      shown = null;
-    }
+    shown = draft.mesh ?? rest ?? null;
+    if (!shown) stage.clear(draft.error ? "" : "Reading the mesh …");
     showPanel(page, draft);
   };
   const stop = drafts.onChange(update);
@@ -66,14 +67,14 @@ export function setupPage({ go, stage, process }) {
 
 function showPanel(page, draft) {
   page.drawn?.stop();
-  page.main.classList.toggle("alone", Boolean(draft.error)); // there is nothing to see
+  page.main.classList.toggle("alone", Boolean(draft.error && !draft.error.rest)); // there is nothing to see
   if (draft.error)
     return replace(
       page.panel,
       fileList(),
-      h("header", { class: "file-head" }, h("h2", {}, draft.name)),
+      fileHead(draft.name),
       problemBox(
-        draft.error,
+        marked(draft.error, draft.error.places),
         h("button", { type: "button", class: "primary", onclick: () => page.go("#") }, "Choose another file"),
       ),
     );
@@ -174,7 +175,7 @@ function fileFacts(draft) {
     mesh.borderEdges === 0 ? "closed" : "open",
     mesh.pieces > 1 && count(mesh.pieces, "piece"),
   ].filter(Boolean);
-  return h("header", { class: "file-head" }, h("h2", {}, draft.name), h("p", { class: "hint" }, facts.join(" · ")));
+  return fileHead(draft.name, facts);
 }
 
 const longest = (draft) => Math.max(...extents(draft.mesh)) * draft.scale;
@@ -304,28 +305,24 @@ async function start(page, ready, form, place, change) {
       );
       jobs.put(job);
       remember("values", without(form.changed(), OWN));
-      rememberJob(job.jobID, draft);
       if (draft === drafts.draft) keepPicture(job.jobID, page.stage.viewport?.picture());
       first ??= job;
     } catch (error) {
       page.sending = null;
       if (error.name === "AbortError") return replace(place, sendControls(page, draft, form));
-      page.stage.markPlaces(placesOf(error.problem, draft.mesh));
-      return replace(place, problemBox(error), sendControls(page, draft, form));
+      const places = placesOf(error.problem, draft.mesh);
+      page.stage.markPlaces(places);
+      page.stage.turnTo(places);
+      return replace(place, problemBox(marked(inPageWords(error, page.process.inputs), places)), sendControls(page, draft, form));
     }
   }
   page.sending = null;
   page.go(ready.length > 1 ? "#" : `#job/${first.jobID}`);
 }
 
-/** What only this device knows of a job: material and up axis. */
-function rememberJob(id, draft) {
-  rememberOf(id, { material: draft.material, up: draft.up });
-}
-
 /** Size and tolerance belong to one mesh; the rest is offered again for the next. */
 const without = (values, names) => Object.fromEntries(Object.entries(values).filter(([name]) => !names.has(name)));
 
-function parametersOf(draft, form) {
-  return { ...form.changed(), e_max: draft.values.e_max, scale: draft.scale === 1 ? undefined : draft.scale };
+function parametersOf({ values, scale, material, up }, form) {
+  return { ...form.changed(), e_max: values.e_max, scale: scale === 1 ? undefined : scale, material, up };
 }
