@@ -1,7 +1,7 @@
 // What a download shall be: the parameters that the server offers, sorted into fields, and what was chosen as a query.
 
 /** Offered first; all others are folded away. */
-export const FIRST = ["profile", "sheet_size", "oversize", "page", "kerf", "rulings", "tabs"];
+const FIRST = ["profile", "sheet_size", "oversize", "page", "kerf", "rulings", "tabs"];
 
 /** Chosen elsewhere on the page: a sheet in the preview, a part in the list of parts, what is up in the 3D view. */
 const ELSEWHERE = new Set(["sheet", "part", "up"]);

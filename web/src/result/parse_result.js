@@ -17,7 +17,7 @@ import { bend } from "./fold.js";
  */
 
 /** Splits the text of an OBJ file; only the records that a result has. */
-export function parseRuledObj(text) {
+function parseRuledObj(text) {
   const points = [];
   const uvs = [];
   const groups = new Map();

@@ -8,6 +8,8 @@ import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 import { JobCards } from "./job_cards.js";
 
+const A_MOMENT = 1000; // milliseconds
+
 /** A file chooser that opens drafts; the returned input must be in the page. */
 function chooser(go) {
   return h("input", {
@@ -79,23 +81,44 @@ export function homePage({ go }) {
     if (jobs.known) remember("had-jobs", !section.hidden);
     cards.show();
   };
-  // The jobs shall be in sight; but nothing moves under the pointer when they arrive.
-  drop.classList.toggle("compact", jobs.known ? jobs.list.size > 0 : recall("had-jobs", false));
+  const element = h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section);
+  const stops = [layOut(element), jobs.onChange(update)];
   update();
-  const stop = jobs.onChange(update);
   const clock = setInterval(update, 30000); // "2 minutes ago" grows old
   return {
     title: "",
-    element: h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section),
+    element,
     dispose() {
-      stop();
+      for (const stop of stops) stop();
       clearInterval(clock);
       cards.dispose();
     },
   };
 }
 
-export function openSample(sample, go) {
+/**
+ * Who has jobs sees them without scrolling: the rest is made compact. Nothing moves under the pointer when they arrive, so
+ * this is settled once; who is here for the first time waits for the list, a moment at most.
+ */
+function layOut(element) {
+  const had = jobs.known ? jobs.list.size > 0 : recall("had-jobs");
+  const settle = (compact) => {
+    element.classList.toggle("compact", Boolean(compact));
+    element.classList.remove("unsettled");
+    stop();
+  };
+  const forget = jobs.onChange(() => jobs.known && settle(jobs.list.size > 0));
+  const timer = setTimeout(() => settle(false), A_MOMENT);
+  const stop = () => {
+    forget();
+    clearTimeout(timer);
+  };
+  element.classList.add("unsettled");
+  if (had !== null) settle(had);
+  return stop;
+}
+
+function openSample(sample, go) {
   drafts.open([sampleFile(sample)]);
   drafts.draft.up = "z";
   drafts.draft.tag = sample.title;

@@ -45,7 +45,7 @@ export function commands(job, process, origin, sweep = null) {
 }
 
 /** The address, and what of the view goes with it: whoever opens it elsewhere sees the same. */
-export function linkOf({ up, material }) {
+function linkOf({ up, material }) {
   const more = new URLSearchParams(Object.entries({ up, material }).filter(([, value]) => value));
   return `${location.href.split("?")[0]}?${more}`;
 }
