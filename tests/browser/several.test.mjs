@@ -37,9 +37,17 @@ it("turns one upright, and gives all the same material", async () => {
   assert.equal(await page.locator(".axis.height").innerText(), "x ↕");
   assert.ok(!(await page.locator(".canvas3d").screenshot()).equals(before), "the shape did not turn");
   await page.getByRole("radio", { name: /Plywood/ }).check();
+  await page.getByText("More settings").click();
+  await page.getByLabel("Most sides of a part").fill("5");
+  await page.getByText("1 changed").waitFor();
   await page.getByRole("button", { name: "standing.stl" }).click();
   assert.equal(await up().inputValue(), "z");
   assert.ok(await page.getByRole("radio", { name: /Plywood/ }).isChecked());
+  assert.equal(await page.getByLabel("Most sides of a part").inputValue(), "5");
+  await page.getByRole("button", { name: "Back to the usual settings" }).click();
+  assert.equal(await page.getByLabel("Most sides of a part").inputValue(), "6");
+  assert.equal(await page.getByText("1 changed").isVisible(), false);
+  await page.getByText("More settings").click();
 });
 
 it("makes them all, and the list shows them", async () => {

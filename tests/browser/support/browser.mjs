@@ -22,7 +22,7 @@ export async function launch() {
 async function countPixels([picture, variable]) {
   const bytes = Uint8Array.from(atob(picture), (c) => c.charCodeAt(0));
   const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-  const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+  const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d", { willReadFrequently: true });
   context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(variable).trim();
   context.fillRect(0, 0, 1, 1);
   const wanted = context.getImageData(0, 0, 1, 1).data;

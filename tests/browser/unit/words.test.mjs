@@ -31,7 +31,7 @@ it("writes lengths as a workshop does", () => {
   assert.equal(area(61700), "617 cm²");
   assert.equal(area(2.5e6), "2.5 m²");
   assert.equal(millimetres(undefined), "–");
-  assert.equal(millimetres(0.0024), "under 0.01 mm");
+  assert.equal(millimetres(0.0024), "< 0.01 mm");
 });
 
 it("writes shares, counts, sizes and times", () => {

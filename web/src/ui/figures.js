@@ -5,8 +5,8 @@ import { bendColors } from "../result/bend.js";
 import { repairsOf } from "../result/places.js";
 import { icon } from "./icons.js";
 
-/** @param showPlaces(points) marks places in the 3D view  @param showBends() colours it by the bend radius */
-export function figures(model, job, material, { showPlaces, showBends }) {
+/** @param showPlaces(points) marks places in the 3D view  @param showColours(by) colours it by "error" or "bend" */
+export function figures(model, job, material, { showPlaces, showColours }) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
@@ -40,9 +40,27 @@ export function figures(model, job, material, { showPlaces, showBends }) {
         ),
       ),
     ),
-    bends(model, material, showBends),
+    missed(report, parameters, (fraction) => millimetres(mm(fraction)), () => showColours("error")),
+    bends(model, material, () => showColours("bend")),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
     notes(model, showPlaces),
+  );
+}
+
+/** Nobody shall cut what is not as close as was asked for without having read it. */
+function missed({ e_max_met: met, hausdorff }, { e_max }, mm, showError) {
+  if (met ?? hausdorff <= e_max) return null;
+  return h(
+    "div",
+    { class: "bends warning" },
+    icon("warn", 16),
+    h(
+      "span",
+      {},
+      h("strong", {}, "Tolerance missed. "),
+      `The worst place is ${mm(hausdorff)} off, ${mm(e_max)} were asked for. Allow more, or run again with more effort.`,
+    ),
+    h("button", { type: "button", class: "small right", onclick: showError }, "Show where"),
   );
 }
 

@@ -147,10 +147,11 @@ function subtitle(job) {
   const when = ago(job.created);
   if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report ?? {})} · ${when}`;
   if (job.status === "successful") {
-    const { patches, hausdorff } = job.report ?? {};
+    const { patches, hausdorff, e_max_met: met = true } = job.report ?? {};
     return [
       patches && count(patches, "part"),
-      Number.isFinite(hausdorff) && `within ${errorText(job, hausdorff)}`,
+      Number.isFinite(hausdorff) &&
+        (met ? `within ${errorText(job, hausdorff)}` : `${errorText(job, hausdorff)} off, tolerance missed`),
       when,
     ]
       .filter(Boolean)

@@ -42,7 +42,11 @@ export function partsList(model, stage, material, stops) {
     "div",
     {},
     mirrored > 0 &&
-      h("p", { class: "hint" }, `${count(mirrored, "part is a mirror image", "parts are mirror images")} of another.`),
+      h(
+        "p",
+        { class: "hint" },
+        `${count(mirrored, "part is the mirror image", "parts are mirror images")} of another: the same outline, turned over.`,
+      ),
     detail,
     list,
   );
@@ -66,6 +70,7 @@ function row(model, stage, part, k, material) {
     h("strong", {}, part.label),
     h("span", { class: "hint" }, extent(w, d)),
     h("span", { class: "hint right" }, area(part.area)),
+    part.mirrorOf !== null && h("span", { class: "tag" }, `mirror of ${labelOf(model, part.mirrorOf)}`),
     large &&
       h(
         "span",

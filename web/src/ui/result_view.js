@@ -103,7 +103,7 @@ export class ResultView {
         job.parameters?.effort === "draft" && draftNote(job, this.go),
         figures(model, job, material, {
           showPlaces: (points) => this.showPlaces(points),
-          showBends: () => this.showBends(controls),
+          showColours: (by) => this.showColours(controls, by),
         }),
         h(
           "button",
@@ -151,8 +151,8 @@ export class ResultView {
     if (points.length > 0 && this.narrow.matches) this.openTab("shape");
   }
 
-  showBends(controls) {
-    controls.show("bend");
+  showColours(controls, by) {
+    controls.show(by);
     if (this.narrow.matches) this.openTab("shape");
   }
 

@@ -113,13 +113,26 @@ function showPanel(page, draft) {
   page.size = size;
   size.setUp(draft.up);
   const form = new SchemaForm(page.process, { own: OWN, values: draft.values, onChange: () => showSend() });
+  const others = h("span", { class: "hint" });
+  const usual = h("button", { type: "button", class: "small" }, "Back to the usual settings");
+  usual.addEventListener("click", () => {
+    setOthers(draft.values, {});
+    showPanel(page, draft);
+    page.panel.querySelector(".more > summary").focus();
+  });
   page.drawn = guideList(
     draft.guides,
     () => draft.scale,
     (stroke) => page.stage.chooseStroke(stroke),
   );
   const send = h("div", { class: "send" });
-  const showSend = () => replace(send, sendControls(page, draft, form));
+  const showSend = () => {
+    setOthers(draft.values, form.changed());
+    const changed = Object.keys(draft.values).filter((name) => !OWN.has(name)).length;
+    others.textContent = changed > 0 ? ` ${changed} changed` : "";
+    usual.hidden = changed === 0;
+    replace(send, sendControls(page, draft, form));
+  };
   replace(
     page.panel,
     fileList(),
@@ -139,7 +152,8 @@ function showPanel(page, draft) {
     h(
       "details",
       { class: "more", open: recall("more", false), ontoggle: (event) => remember("more", event.target.open) },
-      h("summary", {}, "More settings"),
+      h("summary", {}, "More settings", others),
+      usual,
       form.element,
       nameField(draft),
     ),
@@ -147,6 +161,12 @@ function showPanel(page, draft) {
   );
   refresh();
   showSend();
+}
+
+/** What is chosen below “More settings”, of all files alike: they share `values`. */
+function setOthers(values, chosen) {
+  for (const name of Object.keys(values)) if (!OWN.has(name)) delete values[name];
+  for (const [name, value] of Object.entries(chosen)) if (!OWN.has(name)) values[name] = value;
 }
 
 function fileList() {
@@ -304,7 +324,7 @@ async function start(page, ready, form, place, change) {
         },
       );
       jobs.put(job);
-      remember("values", without(form.changed(), OWN));
+      remember("values", forTheNext(form.changed()));
       if (draft === drafts.draft) keepPicture(job.jobID, page.stage.viewport?.picture());
       first ??= job;
     } catch (error) {
@@ -320,8 +340,11 @@ async function start(page, ready, form, place, change) {
   page.go(ready.length > 1 ? "#" : `#job/${first.jobID}`);
 }
 
-/** Size and tolerance belong to one mesh; the rest is offered again for the next. */
-const without = (values, names) => Object.fromEntries(Object.entries(values).filter(([name]) => !names.has(name)));
+/** Size, tolerance and a plane of symmetry belong to one mesh; the rest is offered again for the next. */
+function forTheNext({ symmetry, ...values }) {
+  const kept = ["off", "auto"].includes(symmetry) ? { ...values, symmetry } : values;
+  return Object.fromEntries(Object.entries(kept).filter(([name]) => !OWN.has(name)));
+}
 
 function parametersOf({ values, scale, material, up }, form) {
   return { ...form.changed(), e_max: values.e_max, scale: scale === 1 ? undefined : scale, material, up };

@@ -87,6 +87,7 @@ export class Stage {
     this.remove("result");
     this.setFlat(false);
     replace(this.labels);
+    this.labels.classList.remove("covered");
     replace(this.tools);
     replace(this.bottom);
     this.message.hidden = !message;
@@ -271,6 +272,7 @@ export class Stage {
   markPlaces(points) {
     const shown = this.result ?? this.input;
     shown?.marks.show(points, this.result ? this.model.radius : shown.radius);
+    this.labels.classList.toggle("covered", points.length > 0 && !this.result); // sizes would hide the marks
     this.viewport?.draw();
   }
 
