@@ -78,6 +78,11 @@ export function parseResult(objText, layout) {
   return model;
 }
 
+const TINY = 2; // millimetres
+
+/** Whether a part is too narrow to be cut and held: on average, for slivers lie askew. */
+export const isTiny = ({ area, box: [x0, y0, x1, y1] }) => area < TINY * Math.max(x1 - x0, y1 - y0);
+
 function middle(points) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];

@@ -123,7 +123,11 @@ class ExportPanel {
     this.preview.classList.remove("stale");
     replace(
       this.preview,
-      h("img", { src: this.url, alt: `Sheet ${this.sheet} of ${sheets}` }),
+      h(
+        "a",
+        { href: this.href("svg", { sheet, inline: 1 }), target: "_blank", title: "Look at it closely, in a tab of its own" },
+        h("img", { src: this.url, alt: `Sheet ${this.sheet} of ${sheets}` }),
+      ),
       sheets > 1 &&
         h(
           "div",

@@ -2,6 +2,7 @@
 import { h } from "../dom.js";
 import { area, count, duration, metres, millimetres, percent } from "../format.js";
 import { bendColors } from "../result/bend.js";
+import { isTiny } from "../result/parse_result.js";
 import { repairsOf } from "../result/places.js";
 import { icon } from "./icons.js";
 
@@ -42,6 +43,7 @@ export function figures(model, job, material, { showPlaces, showColours }) {
     ),
     missed(report, parameters, (fraction) => millimetres(mm(fraction)), () => showColours("error")),
     bends(model, material, () => showColours("bend")),
+    tiny(model),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
     notes(model, showPlaces),
   );
@@ -61,6 +63,23 @@ function missed({ e_max_met: met, hausdorff }, { e_max }, mm, showError) {
       `The worst place is ${mm(hausdorff)} off, ${mm(e_max)} were asked for. Allow more, or run again with more effort.`,
     ),
     h("button", { type: "button", class: "small right", onclick: showError }, "Show where"),
+  );
+}
+
+/** Slivers come from flaws of the mesh, or from details smaller than the tolerance wants to see. */
+function tiny({ parts }) {
+  const names = parts.filter(isTiny).map(({ label }) => label);
+  if (names.length === 0) return null;
+  const some = names.length > 6 ? [...names.slice(0, 5), "…"] : names;
+  return h(
+    "p",
+    { class: "bends" },
+    icon("info", 16),
+    h(
+      "span",
+      {},
+      `${count(names.length, "part is", "parts are")} hardly wide enough to cut (${some.join(", ")}). A larger size or tolerance has fewer.`,
+    ),
   );
 }
 

@@ -1,7 +1,7 @@
 // The list of parts: choose one here, and it lights up in both views; its seams and what they join.
 import { h, replace } from "../dom.js";
 import { area, count, extent, millimetres } from "../format.js";
-import { BEND_STEP } from "../result/parse_result.js";
+import { BEND_STEP, isTiny } from "../result/parse_result.js";
 
 export function partsList(model, stage, material, stops) {
   const rows = model.parts.map((part, k) => row(model, stage, part, k, material));
@@ -71,6 +71,7 @@ function row(model, stage, part, k, material) {
     h("span", { class: "hint" }, extent(w, d)),
     h("span", { class: "hint right" }, area(part.area)),
     part.mirrorOf !== null && h("span", { class: "tag" }, `mirror of ${labelOf(model, part.mirrorOf)}`),
+    isTiny(part) && h("span", { class: "tag warn", title: "Hardly to be cut or held" }, "tiny"),
     large &&
       h(
         "span",
@@ -126,7 +127,7 @@ function partDetail(model, stage, k) {
     h(
       "p",
       { class: "hint" },
-      `${count(part.rulings.length / 2, "bend line")} (one for every ${BEND_STEP}° of bend), ${count(part.seams.length, "edge")}:`,
+      `${bendWords(part)}, ${count(part.seams.length, "edge")}:`,
     ),
     h(
       "ul",
@@ -150,6 +151,9 @@ function partDetail(model, stage, k) {
     ),
   );
 }
+
+const bendWords = ({ rulings }) =>
+  rulings.length === 0 ? "Stays flat" : `${count(rulings.length / 2, "bend line")} (one for every ${BEND_STEP}° of bend)`;
 
 function seamDetail(model, stage, id) {
   const seam = model.seams.find((item) => item.id === id);

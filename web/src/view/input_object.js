@@ -76,6 +76,11 @@ export class InputObject {
     this.material.needsUpdate = true;
   }
 
+  /** Marks places (points relative to the centre) by small balls. */
+  markPlaces(points) {
+    this.marks.show(points, this.radius);
+  }
+
   dispose() {
     for (const object of [this.surface, this.borders, this.crowded, this.box]) {
       object.geometry.dispose();
