@@ -46,7 +46,7 @@ export class Server {
       stream.on("data", (text) => {
         this.output += text;
       });
-    for (let attempt = 0; attempt < 300; attempt++) {
+    for (let attempt = 0; attempt < 1200; attempt++) {
       if (this.process.exitCode !== null) break;
       try {
         if ((await fetch(`${this.url}healthz`)).ok) return;

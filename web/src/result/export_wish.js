@@ -11,7 +11,7 @@ const TITLES = {
   sheet_size: "Sheet",
   page: "Pages of the PDF",
   rulings: "Bend lines",
-  ruling_step: "A line for each",
+  ruling_step: "Bend per line",
   tabs: "Glue tabs",
   dxf: "DXF version",
   oversize: "If a part is larger",
@@ -128,6 +128,8 @@ export function usualWish(material, parts) {
     return Math.min(w, d) <= Math.min(a, b) && Math.max(w, d) <= Math.max(a, b);
   });
   const wish = { sheet_size: fits ? material.preset : "auto", page: "sheet" };
-  if (!paper) return material.stiff ? { ...wish, rulings: "ticks" } : wish;
+  if (material.stiff) return { ...wish, rulings: "ticks" };
+  wish.ruling_step = "10"; // half as many lines as usual are enough for what bends easily
+  if (!paper) return wish;
   return { ...wish, ...(fits ? { margin: String(PRINTER) } : { page: material.preset }), profile: "print", tabs: "one" };
 }

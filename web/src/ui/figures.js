@@ -6,6 +6,8 @@ import { isTiny } from "../result/parse_result.js";
 import { repairsOf } from "../result/places.js";
 import { icon } from "./icons.js";
 
+const FEW = 3; // notes that are read at once
+
 /** @param showPlaces(points) marks places in the 3D view  @param showColours(by) colours it by "error" or "bend" */
 export function figures(model, job, material, { showPlaces, showColours }) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
@@ -54,7 +56,7 @@ function missed({ e_max_met: met, hausdorff }, { e_max }, mm, showError) {
   if (met ?? hausdorff <= e_max) return null;
   return h(
     "div",
-    { class: "bends warning" },
+    { class: "bends long warning" },
     icon("warn", 16),
     h(
       "span",
@@ -112,7 +114,7 @@ function notes(model, showPlaces) {
   };
   return h(
     "details",
-    { class: "notes", open: places.size > 0 },
+    { class: "notes", open: places.size > 0 || report.notes.length <= FEW },
     h("summary", {}, count(report.notes.length, "note")),
     h(
       "ul",
