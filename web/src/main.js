@@ -1,5 +1,5 @@
 // The page's frame: header, routes (#, #new, #job/<id>, #job/<sweep>/<point>), files dropped anywhere, light and dark.
-import { ProblemError, getProcess, openPoint, openSession } from "./api.js";
+import { A_MOMENT, ProblemError, getProcess, openPoint, openSession } from "./api.js";
 import { freshId, h, replace } from "./dom.js";
 import { UPS, drafts } from "./drafts.js";
 import { jobs } from "./jobs.js";
@@ -90,7 +90,10 @@ class App {
       if (hash === "#new") this.show(() => (drafts.draft ? this.pages.setupPage(this) : homePage(this)));
       else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
     } catch (error) {
-      if (this.turn === turn) this.showProblem(error);
+      if (this.turn !== turn) return;
+      if (!error.passing || this.away !== turn.description) this.showProblem(error);
+      this.away = error.passing ? turn.description : null; // of this page it has been said
+      if (error.passing) setTimeout(() => this.turn === turn && this.route(), A_MOMENT);
     }
   }
 

@@ -1,5 +1,5 @@
 // One job: it waits or runs, has failed, or shows its result.
-import { getGuides, getInput, getJob } from "../api.js";
+import { A_MOMENT, getGuides, getInput, getJob } from "../api.js";
 import { announce, h, replace } from "../dom.js";
 import { drafts, guessUp } from "../drafts.js";
 import { count, duration, extent } from "../format.js";
@@ -41,17 +41,24 @@ class JobPage {
     this.stop = jobs.onChange(() => this.update());
     if (!jobs.get(this.id)) {
       replace(this.panel, h("p", { class: "busy" }, "Asking the server …"));
-      try {
-        jobs.put(await getJob(this.id));
-      } catch (error) {
-        this.lost(error);
-        return;
-      }
+      return this.ask();
     }
     this.update();
   }
 
+  async ask() {
+    try {
+      jobs.put(await getJob(this.id));
+      this.update();
+    } catch (error) {
+      if (this.gone || jobs.get(this.id)) return;
+      this.lost(error);
+      if (error.passing) setTimeout(() => !this.gone && this.ask(), A_MOMENT);
+    }
+  }
+
   lost(error) {
+    if (this.shown === "lost" && error.passing) return; // it has been said
     this.shown = "lost";
     this.element.classList.add("alone");
     const gone = error.problem?.status === 404 && {
@@ -84,6 +91,7 @@ class JobPage {
     if (kind === "active") this.showProgress(job);
     if (kind === this.shown) return;
     const before = this.shown;
+    this.element.classList.remove("alone");
     this.shown = kind;
     clearInterval(this.clock);
     if (kind === "active") {
@@ -116,15 +124,23 @@ class JobPage {
 
   /** The uploaded mesh, read once; null when it cannot be had. */
   mesh() {
-    this.meshPromise ??= getInput(this.id)
-      .then(inspectFile)
-      .catch(() => null);
-    return this.meshPromise;
+    return (this.meshPromise ??= this.fetchMesh());
+  }
+
+  async fetchMesh() {
+    try {
+      return await inspectFile(await getInput(this.id));
+    } catch (error) {
+      if (!error.passing || this.gone) return null;
+      await new Promise((later) => setTimeout(later, A_MOMENT));
+      return this.fetchMesh();
+    }
   }
 
   async showInput(job) {
     if (!this.stage.input) this.stage.clear("Fetching the mesh …");
-    const [mesh, guides] = await Promise.all([this.mesh(), getGuides(job).catch(() => null)]);
+    const mesh = await this.mesh();
+    const guides = mesh && (await getGuides(job).catch(() => null));
     if (this.gone || this.result) return;
     if (!mesh) return this.stage.clear("The mesh cannot be shown.");
     const places = placesOf(job.exception, mesh);

@@ -1,5 +1,5 @@
 // A finished job: shape and sheets side by side, what was proven, the list of parts, the files.
-import { getResults, getText } from "../api.js";
+import { A_MOMENT, getResults, getText } from "../api.js";
 import { h, replace } from "../dom.js";
 import { titleOf } from "../jobs.js";
 import { materialOf } from "../materials.js";
@@ -64,7 +64,7 @@ export class ResultView {
   }
 
   async open() {
-    replace(this.panel, h("p", { class: "busy" }, "Fetching the result …"));
+    if (!this.later) replace(this.panel, h("p", { class: "busy" }, "Fetching the result …"));
     try {
       const files = await getResults(this.job.jobID);
       const [obj, layout] = await Promise.all(["ruled.obj", "layout.json"].map((name) => getText(files[name].href)));
@@ -73,11 +73,13 @@ export class ResultView {
       this.model = parseResult(obj, JSON.parse(layout));
       this.show();
     } catch (error) {
-      if (!this.gone)
+      if (this.gone) return;
+      if (!this.later || !error.passing)
         replace(
           this.panel,
           problemBox(error.problem ? error : { title: "The result cannot be shown", detail: error.message }),
         );
+      if (error.passing) this.later = setTimeout(() => this.open(), A_MOMENT);
     }
   }
 
@@ -222,6 +224,7 @@ export class ResultView {
 
   dispose() {
     this.gone = true;
+    clearTimeout(this.later);
     for (const stop of this.stops) stop();
   }
 }
