@@ -60,12 +60,6 @@ class Drafts extends Observable {
     this.current = k;
     this.changed();
   }
-
-  remove(draft) {
-    this.list = this.list.filter((item) => item !== draft);
-    this.current = Math.min(this.current, Math.max(0, this.list.length - 1));
-    this.changed();
-  }
 }
 
 export const drafts = new Drafts();

@@ -83,6 +83,7 @@ class App {
     try {
       await this.load();
       if (this.turn !== turn) return;
+      this.away = null;
       const [place, more] = hash.slice(5).split("?");
       const [id, point] = place.split("/").map(decodeURIComponent);
       if (more) takeAlong(id, place, more);
@@ -91,8 +92,8 @@ class App {
       else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
     } catch (error) {
       if (this.turn !== turn) return;
-      if (!error.passing || this.away !== turn.description) this.showProblem(error);
-      this.away = error.passing ? turn.description : null; // of this page it has been said
+      if (!error.passing || this.away !== hash) this.showProblem(error);
+      this.away = hash; // of this page it has been said
       if (error.passing) setTimeout(() => this.turn === turn && this.route(), A_MOMENT);
     }
   }

@@ -47,9 +47,33 @@ export function partsList(model, stage, material, stops) {
         { class: "hint" },
         `${count(mirrored, "part is the mirror image", "parts are mirror images")} of another: the same outline, turned over.`,
       ),
+    model.parts.length > FEW && finder(model, stage),
     detail,
     list,
   );
+}
+
+const FEW = 6; // parts that are found at a glance
+
+/** Who holds a part types what is printed on it, or the number of a seam, and sees where it belongs. */
+function finder(model, stage) {
+  const note = h("p", { class: "field-error", role: "status" });
+  const find = (text) => {
+    const wanted = text.trim().toUpperCase();
+    const part = model.parts.findIndex(({ label }) => label.toUpperCase() === wanted);
+    const seam = model.seams.find(({ name }) => name.toUpperCase() === wanted);
+    if (part >= 0) stage.setSelection({ selected: part, seam: null });
+    else if (seam) stage.setSelection({ selected: null, seam: seam.id });
+    return part >= 0 || seam || wanted === "";
+  };
+  const input = h("input", {
+    type: "search",
+    "aria-label": "Find a part or a seam",
+    placeholder: `Find: ${model.parts[0].label}, or the number of a seam`,
+    oninput: () => find(input.value) && (note.textContent = ""),
+    onchange: () => (note.textContent = find(input.value) ? "" : `Nothing here is called ${input.value.trim()}.`),
+  });
+  return h("div", { class: "finder" }, input, note);
 }
 
 function row(model, stage, part, k, material) {

@@ -103,7 +103,7 @@ function showPanel(page, draft) {
       meshWarnings(draft.mesh).map((text) => warning(text)),
     );
   };
-  const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft, () => {});
+  const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft);
   const size = sizeField(draft, UNITS, () => {
     tolerance.update();
     page.stage.setScale(draft.scale);
