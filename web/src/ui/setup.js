@@ -296,6 +296,9 @@ function sendControls(page, draft, form) {
   ];
 }
 
+/** Elsewhere the page carries on by itself; to send is the person's own decision. */
+const NOTHING_LOST = { fix: "nothing is lost here: send it again as soon as the server answers" };
+
 /** Sends every mesh; the first job opens, errors stay here. */
 async function start(page, ready, form, place, change) {
   const abort = new AbortController();
@@ -333,7 +336,8 @@ async function start(page, ready, form, place, change) {
       const places = placesOf(error.problem, draft.mesh);
       page.stage.markPlaces(places);
       page.stage.turnTo(places);
-      return replace(place, problemBox(marked(inPageWords(error, page.process.inputs), places)), sendControls(page, draft, form));
+      const problem = { ...inPageWords(error, page.process.inputs), ...(error.problem?.status === 0 && NOTHING_LOST) };
+      return replace(place, problemBox(marked(problem, places)), sendControls(page, draft, form));
     }
   }
   page.sending = null;
