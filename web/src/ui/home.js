@@ -97,24 +97,36 @@ export function homePage({ go }) {
 }
 
 /**
- * Who has jobs sees them without scrolling: the rest is made compact. Nothing moves under the pointer when they arrive, so
- * this is settled once; who is here for the first time waits for the list, a moment at most.
+ * Who has jobs sees them without scrolling: the rest is made compact. Who is here for the first time waits for the list, a
+ * moment at most; what comes later still counts as long as nobody has begun to do something: nothing moves under the
+ * pointer. Returns what ends it.
  */
 function layOut(element) {
   const had = jobs.known ? jobs.list.size > 0 : recall("had-jobs");
-  const settle = (compact) => {
-    element.classList.toggle("compact", Boolean(compact));
+  const ended = new AbortController();
+  const stop = () => ended.abort();
+  const show = (compact) => {
+    element.classList.toggle("compact", compact);
     element.classList.remove("unsettled");
-    stop();
   };
-  const forget = jobs.onChange(() => jobs.known && settle(jobs.list.size > 0));
-  const timer = setTimeout(() => settle(false), A_MOMENT);
-  const stop = () => {
-    forget();
-    clearTimeout(timer);
-  };
+  if (had !== null) {
+    show(had);
+    return stop;
+  }
   element.classList.add("unsettled");
-  if (had !== null) settle(had);
+  const timer = setTimeout(() => show(false), A_MOMENT);
+  const forget = jobs.onChange(() => {
+    if (!jobs.known) return;
+    show(jobs.list.size > 0);
+    stop();
+  });
+  ended.signal.addEventListener("abort", () => {
+    clearTimeout(timer);
+    forget();
+  });
+  const begun = () => element.classList.contains("unsettled") || stop();
+  for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"])
+    addEventListener(kind, begun, { signal: ended.signal, passive: true });
   return stop;
 }
 
