@@ -34,6 +34,10 @@ it("cancel stops the job and offers a way on", async () => {
   await begin("cancel.obj", { wave: 0.12 }, 0.3);
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "Cancelled" }).waitFor();
+  await page.getByRole("button", { name: "Try again" }).click();
+  await page.getByRole("heading", { name: /Making the sheets|Waits/ }).waitFor();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("heading", { name: "Cancelled" }).waitFor();
   await page.getByRole("button", { name: "Change settings" }).click();
   await page.getByRole("button", { name: "Make the sheets" }).waitFor();
   assert.match(await page.locator(".file-head").innerText(), /cancel\.obj/);
