@@ -51,10 +51,10 @@ const done = async (server, mesh, query, process) => {
   return id;
 };
 
-/** A state: servers and jobs made once, then arrange(window, made) in every window. */
-const opened = (state, locator) => ({ window, id, server }) => {
-  void [state, server];
-  return window.goto(`#job/${id}`).then(() => window.page.locator(locator).first().waitFor());
+/** The job's page, once something is there. */
+const opened = (locator) => async ({ window, id }) => {
+  await window.goto(`#job/${id}`);
+  await window.page.locator(locator).first().waitFor();
 };
 const tab = (name, proof) => async ({ window, id }) => {
   await window.goto(`#job/${id}`);
@@ -107,6 +107,7 @@ const withJob = (make, ...options) => async () => {
 };
 const failing = (name, ...options) => withJob((server) => done(server, strip(`${name}.obj`)), "--worker", FAKE, ...options);
 
+/** make(): {server, id}, once for all windows (a name: that of another state); arrange({window, server, id}) in each. */
 const STATES = {
   "home-empty": { make: async () => ({ server: await plain() }), arrange: ({ window }) => window.goto() },
   "home-30": {
@@ -161,7 +162,7 @@ const STATES = {
   running: {
     make: withJob((server) => submit(server, ball(`${LONG}.obj`), "&e_max=0.002")),
     arrange: async (at) => {
-      await opened("", ".progress-panel")(at);
+      await opened(".progress-panel")(at);
       await at.window.page.waitForTimeout(800);
     },
   },
@@ -170,7 +171,7 @@ const STATES = {
       await submit(server, ball("before.obj"), "&e_max=0.002");
       return submit(server, ball("after.obj", { wave: 0.2 }));
     }),
-    arrange: opened("", ".progress-panel"),
+    arrange: opened(".progress-panel"),
   },
   cancelled: {
     make: withJob(async (server) => {
@@ -179,46 +180,46 @@ const STATES = {
       return id;
     }),
     arrange: async (at) => {
-      await opened("", ".ended")(at);
+      await opened(".ended")(at);
       await at.window.page.waitForTimeout(500);
     },
   },
-  "failed-crash": { make: failing("segv"), arrange: opened("", ".problem") },
-  "failed-memory": { make: failing("memory"), arrange: opened("", ".problem") },
-  "failed-killed": { make: failing("kill"), arrange: opened("", ".problem") },
-  "failed-mesh": { make: failing("refuse"), arrange: opened("", ".problem") },
+  "failed-crash": { make: failing("segv"), arrange: opened(".problem") },
+  "failed-memory": { make: failing("memory"), arrange: opened(".problem") },
+  "failed-killed": { make: failing("kill"), arrange: opened(".problem") },
+  "failed-mesh": { make: failing("refuse"), arrange: opened(".problem") },
   "failed-time": {
     make: withJob((server) => done(server, ball(), "&e_max=0.002"), "--job-seconds", "1"),
     arrange: async (at) => {
-      await opened("", ".problem")(at);
+      await opened(".problem")(at);
       await at.window.page.waitForTimeout(500);
     },
   },
   "failed-symmetry": {
     make: withJob((server) => done(server, ball("lopsided.obj", { around: 60, up: 30, wave: 0.3 }), "&symmetry=0,1,0,0")),
     arrange: async (at) => {
-      await opened("", ".problem")(at);
+      await opened(".problem")(at);
       await at.window.page.waitForTimeout(500);
     },
   },
   "sweep-running": {
     make: withJob((server) => submit(server, ball(), "&e_max=0.06,0.04,0.02,0.01,0.005", "sweep")),
-    arrange: opened("", ".progress-panel"),
+    arrange: opened(".progress-panel"),
   },
   sweep: {
     make: withJob((server) => done(server, ball("ball.obj", { around: 60, up: 30 }), "&e_max=0.06,0.04,0.025,0.015", "sweep")),
     arrange: async (at) => {
-      await opened("", ".points")(at);
+      await opened(".points")(at);
       await at.window.page.waitForTimeout(500);
     },
   },
   "sweep-failed": {
     make: withJob((server) => done(server, ball(), "&e_max=0.002,0.003", "sweep"), "--job-seconds", "1"),
-    arrange: opened("", ".problem"),
+    arrange: opened(".problem"),
   },
   "no-job": {
     make: async () => ({ server: await plain(), id: "00000000-0000-4000-8000-000000000000" }),
-    arrange: opened("", ".problem"),
+    arrange: opened(".problem"),
   },
   offline: {
     make: withJob((server) => done(server, strip())),

@@ -112,6 +112,7 @@ class Reading {
   faces = new Grow(Uint32Array);
   fault = null;
   places = [];
+  holes = false; // whether some vertex has no place
 
   wrong(what, where, fix = DAMAGED) {
     this.fault ??= new MeshError(what, where, fix);
@@ -129,8 +130,12 @@ class Reading {
     return value;
   }
 
+  /** where(): told only of a vertex that has no place. */
   vertex(x, y, z, where) {
-    if (![x, y, z].every(Number.isFinite)) this.wrong("A corner has no place: a coordinate is not a number.", where);
+    if (!(Number.isFinite(x) && Number.isFinite(y) && Number.isFinite(z))) {
+      this.wrong("A corner has no place: a coordinate is not a number.", where());
+      this.holes = true;
+    }
     this.points.push3(x, y, z);
   }
 
@@ -144,7 +149,8 @@ class Reading {
   /** Whether a vertex is there and has a place. */
   isWhole(v) {
     const { data, length } = this.points;
-    return 3 * v < length && Number.isFinite(data[3 * v]) && Number.isFinite(data[3 * v + 1]) && Number.isFinite(data[3 * v + 2]);
+    if (3 * v >= length) return false;
+    return !this.holes || [0, 1, 2].every((axis) => Number.isFinite(data[3 * v + axis]));
   }
 
   place(v) {
@@ -156,12 +162,12 @@ class Reading {
     const { data, length } = this.faces;
     let kept = 0;
     for (let k = 0; k < length; k += 3) {
-      const corners = data.subarray(k, k + 3);
-      if (corners.every((v) => this.isWhole(v))) {
-        data.copyWithin(kept, k, k + 3);
+      if (this.isWhole(data[k]) && this.isWhole(data[k + 1]) && this.isWhole(data[k + 2])) {
+        if (kept < k) data.copyWithin(kept, k, k + 3);
         kept += 3;
         continue;
       }
+      const corners = data.subarray(k, k + 3);
       const count = this.points.length / 3;
       const missing = corners.find((v) => v >= count);
       if (missing !== undefined)
@@ -197,7 +203,7 @@ function readObj(bytes, reading) {
     if (words[0] === "v") {
       if (words.length < 4) reading.wrong("A vertex has fewer than three coordinates.", where);
       const [x, y, z] = [1, 2, 3].map((k) => (k < words.length ? reading.number(words[k], where) : NaN));
-      reading.vertex(x, y, z, where);
+      reading.vertex(x, y, z, () => where);
     } else if (words[0] === "f") {
       reading.face(words.slice(1).map((word) => objIndex(word, reading, where)));
     }
@@ -222,7 +228,7 @@ function readStl(bytes, reading) {
     const match = /^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)/i.exec(line);
     if (match) {
       const [x, y, z] = match.slice(1).map((word) => reading.number(word, `line ${number}`));
-      reading.vertex(x, y, z, `line ${number}`);
+      reading.vertex(x, y, z, () => `line ${number}`);
       if (++corners % 3 === 0) reading.face([corners - 3, corners - 2, corners - 1]);
     } else if (/^\s*facet\b/i.test(line)) facets++;
   });
@@ -235,12 +241,12 @@ function readBinaryStl(bytes, reading) {
   const count = Math.min(told, Math.floor((bytes.length - 84) / 50));
   if (count > MAX_PREVIEW_FACES) throw tooLarge();
   for (let face = 0; face < count; face++) {
-    for (let corner = 0; corner < 3; corner++) {
-      const at = 84 + 50 * face + 12 + 12 * corner;
-      const [x, y, z] = [0, 4, 8].map((step) => view.getFloat32(at + step, true));
-      reading.vertex(x, y, z, `face ${face + 1}`);
+    const where = () => `face ${face + 1}`;
+    for (let at = 84 + 50 * face + 12; at < 84 + 50 * face + 48; at += 12) {
+      const [x, y, z] = [view.getFloat32(at, true), view.getFloat32(at + 4, true), view.getFloat32(at + 8, true)];
+      reading.vertex(x, y, z, where);
     }
-    reading.face([3 * face, 3 * face + 1, 3 * face + 2]);
+    reading.faces.push3(3 * face, 3 * face + 1, 3 * face + 2);
   }
   if (count < told)
     reading.cutShort(
@@ -270,7 +276,7 @@ function readOff(bytes, reading) {
     reading.cutShort("The OFF file is cut short: its counts do not fit its lines.");
   rows.slice(0, vertexCount).forEach((row, k) => {
     const where = `vertex ${k + 1}`;
-    reading.vertex(...[0, 1, 2].map((axis) => reading.number(row[axis], where)), where);
+    reading.vertex(...[0, 1, 2].map((axis) => reading.number(row[axis], where)), () => where);
   });
   for (const row of rows.slice(vertexCount, vertexCount + faceCount)) {
     const corners = row.map(Number);
@@ -339,14 +345,18 @@ function plyHeader(bytes) {
 
 function readPly(bytes, reading) {
   const { format, elements, start } = plyHeader(bytes);
-  const next = format === "ascii" ? plyWords(bytes, start, reading) : plyNumbers(bytes, start, format !== "binary_big_endian");
+  const little = format !== "binary_big_endian";
+  const next = format === "ascii" ? plyWords(bytes, start, reading) : plyNumbers(bytes, start, little);
   try {
     for (const element of elements) {
       for (let row = 0; row < element.count; row++) readPlyRow(element, row, next, reading);
     }
   } catch (end) {
     if (end !== END) throw end;
-    reading.cutShort("The PLY file is cut short.", "Export or copy it again; it ends before all of its vertices and faces.");
+    reading.cutShort(
+      "The PLY file is cut short.",
+      "Export or copy it again; it ends before all of its vertices and faces.",
+    );
   }
 }
 
@@ -367,7 +377,7 @@ function readPlyRow({ name, properties }, row, next, reading) {
     }
     values[property.name] = Array.from({ length }, () => next(property.type));
   }
-  if (name === "vertex") reading.vertex(values.x, values.y, values.z, `vertex ${row + 1}`);
+  if (name === "vertex") reading.vertex(values.x, values.y, values.z, () => `vertex ${row + 1}`);
   if (name === "face") reading.face(values.vertex_indices ?? values.vertex_index ?? []);
 }
 
