@@ -12,6 +12,7 @@
 #include "sheetform/guided.h"
 #include "sheetform/mesh/embed_strokes.h"
 #include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/mesh/place_text.h"
 #include "sheetform/mesh/working_mesh.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
@@ -189,10 +190,6 @@ std::string percent(double x) {
   return text;
 }
 
-std::string text_of(const Vector3& p) {
-  return "(" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) + ")";
-}
-
 void fill_report(Decomposition& d, const Normalisation& norm, double e_max) {
   Report& r = d.report;
   const DistanceReport& distance = d.certificate.distance;
@@ -293,11 +290,13 @@ std::optional<SymmetricHalf> half_to_solve(const SurfaceMesh& mesh, const Normal
   } else {
     const Plane& given = d.params.plane;
     const Plane plane{given.normal, (given.offset - given.normal.dot(norm.centre)) / norm.diagonal};
-    std::string why;
+    Asymmetry why;
     half = symmetric_half(mesh, plane, 0.9 * d.params.e_max, 0.05 * d.params.e_max, why);
     if (!half)
-      throw Error(ErrorCode::kUnsupportedMesh, "the mesh is not symmetric in the given plane: " + why,
-                  "symmetry", "give another plane, a larger e_max, or use auto");
+      throw Error(
+          ErrorCode::kUnsupportedMesh, "the mesh is not symmetric in the given plane: " + why.text,
+          why.place ? "symmetry, at " + text_of(norm.centre + norm.diagonal * *why.place) : "symmetry",
+          "give another plane, a larger e_max, or use auto");
   }
   if (!half) return half;
   const Plane& plane = half->plane;

@@ -40,6 +40,7 @@ struct DecomposeParams {
   double scale = 1;                   ///< millimetres for one unit of the mesh; target_size wins
   std::optional<double> target_size;  ///< longest side of the bounding box in millimetres
   std::uint64_t seed = 0;
+  std::optional<std::string> material, up;  ///< recorded for who shows or exports the result, nothing else
 };
 
 /// A cross direction for each face or vertex given by the user (zero = free).

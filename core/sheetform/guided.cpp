@@ -6,6 +6,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/keep_out.h"
+#include "sheetform/mesh/place_text.h"
 #include "sheetform/mesh/surface_curve.h"
 
 namespace sheetform {
@@ -23,12 +24,6 @@ constexpr double kGrazed = 0.01;      // of the radius: so deep a seam may touch
 
 std::string stroke_name(const char* list, std::size_t i) {
   return "guides, " + std::string(list) + "[" + std::to_string(i) + "]";
-}
-
-std::string text_of(const Vector3& p) {
-  char text[120];
-  std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", p.x(), p.y(), p.z());
-  return text;
 }
 
 std::string percent(double x) {

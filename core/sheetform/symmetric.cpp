@@ -17,19 +17,33 @@ constexpr double kTrusted = 0.25;    // of the tolerance: a plane that is found 
 constexpr double kAxisAngle = 1e-3;  // radians: a plane so near to an axis is tried there
 constexpr std::size_t kMostPlanes = 4;
 
-// Largest distance from the vertices and the middles of the faces of one mesh to the other.
-double one_way(const SurfaceMesh& from, const ClosestPointTree& to) {
-  double worst = 0;
-  for (const Vector3& p : from.points) worst = std::max(worst, to.closest(p).squared_distance);
-  for (const auto& f : from.faces)
-    worst = std::max(
-        worst, to.closest((from.points[f[0]] + from.points[f[1]] + from.points[f[2]]) / 3).squared_distance);
-  return std::sqrt(worst);
+struct Pair {
+  Vector3 from, to;  // a point of one mesh, and the nearest one of the other
+  double distance2 = -1;
+};
+
+// The vertex or middle of a face of one mesh that is farthest from the other.
+Pair farthest(const SurfaceMesh& from, const ClosestPointTree& to) {
+  Pair worst;
+  const auto look_at = [&](const Vector3& p) {
+    const ClosestPoint c = to.closest(p);
+    if (c.squared_distance > worst.distance2) worst = {p, c.point, c.squared_distance};
+  };
+  for (const Vector3& p : from.points) look_at(p);
+  for (const auto& f : from.faces) look_at((from.points[f[0]] + from.points[f[1]] + from.points[f[2]]) / 3);
+  return worst;
 }
 
-double distance(const SurfaceMesh& a, const SurfaceMesh& b) {
+struct Deviation {
+  double distance = 0;
+  Vector3 place = Vector3::Zero();  // of the first mesh
+};
+
+Deviation deviation(const SurfaceMesh& a, const SurfaceMesh& b) {
   const ClosestPointTree tree_a(a.points, a.faces), tree_b(b.points, b.faces);
-  return std::max(one_way(a, tree_b), one_way(b, tree_a));
+  const Pair there = farthest(a, tree_b), back = farthest(b, tree_a);
+  if (there.distance2 >= back.distance2) return {std::sqrt(there.distance2), there.from};
+  return {std::sqrt(back.distance2), back.to};
 }
 
 int euler(const SurfaceMesh& m) { return m.vertex_count() - m.edge_count() + m.face_count(); }
@@ -78,7 +92,7 @@ PlaneFrame plane_frame(const Plane& plane) {
 }
 
 std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane& plane, double reach,
-                                            double detail, std::string& why) {
+                                            double detail, Asymmetry& why) {
   SymmetricHalf half;
   half.plane = plane;
   half.frame = plane_frame(plane);
@@ -88,18 +102,20 @@ std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane
   try {
     half.mesh = cut_half(turned, {}, Vector3::UnitX(), 0, snap).mesh;
   } catch (const Error& e) {
-    why = e.summary();
+    why = {e.summary(), {}};
     return std::nullopt;
   }
   const PlaneBorder border = plane_border(half.mesh, kOnPlane);
   const SurfaceMesh whole = with_mirror_image(half.mesh, border);
-  half.deviation = distance(whole, turned);
+  const Deviation worst = deviation(turned, whole);
+  half.deviation = worst.distance;
   if (half.deviation > reach) {
-    why = "the mesh deviates from its mirror image by " + percent(half.deviation) + " of the diagonal";
+    why = {"the mesh deviates from its mirror image by " + percent(half.deviation) + " of the diagonal",
+           half.frame.out(worst.place)};
     return std::nullopt;
   }
   if (!same_topology(whole, turned)) {
-    why = "the two sides of the plane differ in components, borders or holes";
+    why = {"the two sides of the plane differ in components, borders or holes", {}};
     return std::nullopt;
   }
   return half;
@@ -112,7 +128,7 @@ std::optional<SymmetricHalf> find_symmetric_half(const SurfaceMesh& mesh, double
   for (const Vector3& p : mesh.points) centre += p / static_cast<double>(mesh.points.size());
   std::optional<SymmetricHalf> best;
   double best_score = 0;
-  std::string why;
+  Asymmetry why;
   const auto consider = [&](const Plane& plane) {
     context.checkpoint();
     auto half = symmetric_half(mesh, plane, kTrusted * e_max, kDetail * e_max, why);

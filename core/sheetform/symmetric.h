@@ -24,6 +24,12 @@ struct PlaneFrame {
 };
 PlaneFrame plane_frame(const Plane& plane);
 
+/// Why a mesh is not symmetric.
+struct Asymmetry {
+  std::string text;
+  std::optional<Vector3> place;  ///< of the mesh, where it deviates most
+};
+
 /// One side of a symmetric mesh, x >= 0 in its frame, cut exactly at the plane.
 struct SymmetricHalf {
   Plane plane;
@@ -33,10 +39,10 @@ struct SymmetricHalf {
 };
 
 /// The half of `mesh` on the positive side of the plane; none when the half with its image is another
-/// surface: other components, border loops or holes, or farther than `reach` from the mesh (then `why` says
-/// so). `detail`: vertices that near to the plane are moved onto it.
+/// surface: other components, border loops or holes, or farther than `reach` from the mesh (`why`).
+/// `detail`: vertices that near to the plane are moved onto it.
 std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane& plane, double reach,
-                                            double detail, std::string& why);
+                                            double detail, Asymmetry& why);
 
 /// The half for the best plane that detect_symmetry finds: the mesh deviates by a quarter of e_max at most,
 /// and of planes alike the one with the shortest cut. None when there is no such plane. Cost: that of

@@ -24,9 +24,16 @@ JobRecord exported_job(const Exchange& x, const ApiParts& parts) {
   return job;
 }
 
+/// The axis that points up in pictures where the query does not say it: that of the job, if it has one.
+std::string usual_up(const JobRecord& job) {
+  return api::Json::parse(job.parameters).value("up", std::string());
+}
+
 Answer list_exports(Exchange& x, const ApiParts& parts) {
   const JobRecord job = exported_job(x, parts);
   api::Json document = exports_document(address_of(job), parts.service.profiles());
+  for (api::Json& one : document["parameters"])
+    if (const std::string axis = usual_up(job); one["name"] == "up" && !axis.empty()) one["default"] = axis;
   const std::string up = std::string(kApiRoot) + "/jobs/" + job.id;
   document["links"] = api::to_json({{address_of(job), "self", "application/json", "These exports"},
                                     {up, "up", "application/json", "The job"}});
@@ -38,6 +45,7 @@ ExportWish wish_of(const Exchange& x, const ApiParts& parts, const JobRecord& jo
   ExportWish wish{x.captures.at(1), {}, job.id, job.input_name, "sha256:" + to_hex(job.input), {}};
   for (const auto& [name, value] : x.query)
     if (name != "inline") wish.query[name] = x.parameter(name).value();
+  if (const std::string axis = usual_up(job); !axis.empty()) wish.query.try_emplace("up", axis);
   std::string link = absolute(parts, x.head, address_of(job) + "/" + percent_encode(wish.format));
   for (char before = '?'; const auto& [name, value] : wish.query) {
     link += before + percent_encode(name) + "=" + percent_encode(value);

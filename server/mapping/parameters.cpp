@@ -26,6 +26,12 @@ std::optional<double> optional_number(const api::Json& values, const char* name)
   return found->get<double>();
 }
 
+std::optional<std::string> optional_text(const api::Json& values, const char* name) {
+  const auto found = values.find(name);
+  if (found == values.end()) return std::nullopt;
+  return found->get<std::string>();
+}
+
 /// The text NX,NY,NZ,D; the schema has checked its form. The normal is made unit, D with it.
 Plane plane_from(const std::string& text) {
   std::array<double, 4> value{};
@@ -112,6 +118,8 @@ DecomposeParams to_core(const api::Json& values) {
   p.scale = values.at("scale");
   p.target_size = optional_number(values, "target_size");
   p.seed = values.at("seed");
+  p.material = optional_text(values, "material");
+  p.up = optional_text(values, "up");
   return p;
 }
 
@@ -132,6 +140,8 @@ api::Json to_wire(const DecomposeParams& p) {
                    {"seed", p.seed}};
   if (p.e_max_mm) values["e_max_mm"] = *p.e_max_mm;
   if (p.target_size) values["target_size"] = *p.target_size;
+  if (p.material) values["material"] = *p.material;
+  if (p.up) values["up"] = *p.up;
   return values;
 }
 

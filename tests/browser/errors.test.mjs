@@ -1,7 +1,7 @@
 // What goes wrong is said in words: what, where, and what to do.
 import assert from "node:assert/strict";
 import { it } from "node:test";
-import { finned, flatLine, letter, tubeStl } from "./support/meshes.mjs";
+import { ball, cutShort, finned, flatLine, letter, tubeStl } from "./support/meshes.mjs";
 import { inWindow, onServer } from "./support/stand.mjs";
 
 let server;
@@ -22,6 +22,20 @@ it("a letter is not a mesh, and the page says so before anything is sent", async
   await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
 });
 
+it("a damaged file is shown as far as it goes, and where it is damaged", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(cutShort());
+  const words = await page.getByRole("alert").innerText();
+  assert.match(words, /cut short: of 2,304 triangles 1,727 are there/);
+  assert.match(words, /marked in the view/);
+  assert.match(words, /What to do/);
+  assert.ok((await window.pixelsOf("--bad")) > 50, "no mark is seen");
+  assert.equal(await page.getByRole("button", { name: "Make the sheets" }).count(), 0);
+  await window.shot("error-4-damaged");
+  await page.getByRole("button", { name: "Choose another file" }).click();
+  await page.getByRole("button", { name: "Choose a mesh" }).waitFor();
+});
+
 it("one bad file among several spoils nothing", async () => {
   await page.locator("#file").setInputFiles([letter(), tubeStl("good.stl")]);
   await page.getByRole("alert").waitFor();
@@ -35,10 +49,34 @@ it("a mesh that the server refuses is explained with what to do", async () => {
   await page.getByRole("button", { name: "Make the sheets" }).click();
   const box = page.locator(".problem");
   await box.waitFor();
+  await box.getByText(/marked in the view/).waitFor();
   const words = await box.innerText();
+  assert.match(words, /have no area/);
+  assert.match(words, /on a line from \(0, 0, 0\) to \(3, 0, 0\)/i);
   assert.match(words, /What to do/);
-  assert.ok(words.length > 60, words);
+  assert.ok((await window.pixelsOf("--bad")) > 50, "no mark is seen");
   await window.shot("error-2-refused");
+});
+
+it("a setting that does not fit the mesh is explained with the place, and can be changed", async () => {
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(ball("lopsided.obj", { around: 48, up: 24, wave: 0.3 }));
+  await page.getByText("More settings").click();
+  await page.getByLabel("Symmetry", { exact: true }).selectOption("own value …");
+  await page.getByLabel("Symmetry, value").fill("0,1,0,0");
+  await page.getByRole("button", { name: "Make the sheets" }).click();
+  const box = page.locator(".problem");
+  await box.getByText(/marked in the view/).waitFor();
+  const words = await box.innerText();
+  assert.match(words, /not symmetric/);
+  assert.match(words, /“Symmetry”, at \(/);
+  assert.match(words, /a larger “Tolerance”/);
+  assert.ok((await window.pixelsOf("--bad")) > 50, "no mark is seen");
+  await window.shot("error-5-not-symmetric");
+  await page.getByRole("button", { name: "Change settings" }).click();
+  await page.getByRole("button", { name: "Make the sheets" }).waitFor();
+  assert.equal(await page.getByLabel("Symmetry, value").inputValue(), "0,1,0,0");
+  await page.getByText("More settings").click();
 });
 
 it("a number out of range is refused where it is typed", async () => {
@@ -69,12 +107,12 @@ it("shows where a mesh was repaired", async () => {
   const before = await view.screenshot();
   const button = page.getByRole("button", { name: /Show where: 8 edges/ });
   await button.click();
-  await page.waitForTimeout(100);
+  await window.drawn();
   assert.equal(await button.getAttribute("aria-pressed"), "true");
   const marked = await view.screenshot({ path: `${process.env.SHEETFORM_ARTEFACTS ?? "artefacts"}/error-3-repaired.png` });
   assert.ok(!marked.equals(before), "nothing was marked");
   await button.click();
-  await page.waitForTimeout(100);
+  await window.drawn();
   assert.ok((await view.screenshot()).equals(before), "the marks stay");
 });
 

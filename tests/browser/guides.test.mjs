@@ -107,7 +107,7 @@ describe("with a mouse", () => {
     assert.deepEqual(layout.guides, guides);
     assert.ok(layout.arches.some((arch) => arch.drawn));
     await page.getByRole("checkbox", { name: "Your mesh" }).check();
-    await page.waitForTimeout(300);
+    await window.drawn();
     await window.shot("guides-2-result");
   });
 

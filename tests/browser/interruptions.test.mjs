@@ -34,6 +34,10 @@ it("cancel stops the job and offers a way on", async () => {
   await begin("cancel.obj", { wave: 0.12 }, 0.3);
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "Cancelled" }).waitFor();
+  await page.getByRole("button", { name: "Try again" }).click();
+  await page.getByRole("heading", { name: /Making the sheets|Waits/ }).waitFor();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("heading", { name: "Cancelled" }).waitFor();
   await page.getByRole("button", { name: "Change settings" }).click();
   await page.getByRole("button", { name: "Make the sheets" }).waitFor();
   assert.match(await page.locator(".file-head").innerText(), /cancel\.obj/);
@@ -49,6 +53,19 @@ it("a server restart in mid-job is survived without a hand's turn", async () => 
   assert.equal(await page.getByText(/No connection to the server/).count(), 0);
 });
 
+it("a result that could not be fetched is fetched as soon as the server answers", async () => {
+  let missed = 0;
+  for (const what of ["results", "results/layout.json*", "input"])
+    await page.route(`**/api/v1/jobs/*/${what}`, (route) => (missed++ < 3 ? route.abort() : route.continue()));
+  await page.reload();
+  await page.getByText("The server does not answer").waitFor();
+  await window.ready();
+  await page.getByRole("radio", { name: "Error" }).check();
+  await page.getByText(/Worst place \(marked\)/).waitFor();
+  assert.ok(missed >= 3);
+  await page.unrouteAll();
+});
+
 it("the list of jobs survives, too", async () => {
   await window.goto("#");
   for (const name of ["reload", "cancel", "restart"]) await page.locator(".card", { hasText: name }).first().waitFor();
@@ -58,7 +75,7 @@ it("the list of jobs survives, too", async () => {
 it("had nothing else to complain about", () => {
   assert.deepEqual(
     window.complaintsBut(
-      /ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/,
+      /ERR_CONNECTION_REFUSED|ERR_FAILED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/,
     ),
     [],
   );

@@ -1,15 +1,17 @@
 // The list of jobs while much happens: cards are changed in place, nothing is asked for again, what one points at stays.
 import assert from "node:assert/strict";
 import { it } from "node:test";
+import { Window } from "./support/browser.mjs";
 import { ball, strip } from "./support/meshes.mjs";
-import { inWindow, onServer } from "./support/stand.mjs";
+import { PHONE, inWindow, onServer } from "./support/stand.mjs";
 
 const BURST = 16;
 
 let server;
+let browser;
 let window;
 let page;
-const stand = onServer((made) => ({ server } = made));
+const stand = onServer((made) => ({ server, browser } = made));
 inWindow(stand, (made) => ({ window, page } = made), { viewport: { width: 1280, height: 2600 } }); // all cards in sight
 
 async function submit({ name, buffer }, query = "") {
@@ -90,6 +92,21 @@ it("takes a removed job away, and only that", async () => {
   await fetch(`${server.url}api/v1/jobs/${jobs[0].jobID}`, { method: "DELETE" });
   await page.locator(`.card[href="#job/${jobs[0].jobID}"]`).waitFor({ state: "detached" });
   assert.equal(await page.locator(".card").count(), before - 1);
+});
+
+it("shows on a phone what runs without scrolling, on a first visit, too", async () => {
+  const { jobID } = await submit(ball("phone.obj", { wave: 0.15 }), "&e_max=0.003");
+  await submit(strip("later.obj", 400));
+  const phone = await Window.open(browser, server, PHONE);
+  await phone.goto();
+  const card = phone.page.locator(".home.compact .card").first();
+  await card.waitFor();
+  await phone.page.locator(`.card.running[href="#job/${jobID}"]`).waitFor();
+  assert.equal(await card.getAttribute("href"), `#job/${jobID}`, "what runs stands first");
+  const { y, height } = await card.boundingBox();
+  assert.ok(y + height <= PHONE.viewport.height, `${y} + ${height}`);
+  await phone.close();
+  await fetch(`${server.url}api/v1/jobs/${jobID}`, { method: "DELETE" });
 });
 
 it("shows older jobs when asked, those too that the first answer of the server did not hold", async () => {

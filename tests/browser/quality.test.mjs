@@ -5,7 +5,7 @@ import { createRequire } from "node:module";
 import { it } from "node:test";
 import { Window } from "./support/browser.mjs";
 import { gores } from "./support/gores.mjs";
-import { letter } from "./support/meshes.mjs";
+import { cutShort, letter } from "./support/meshes.mjs";
 import { inWindow, onServer } from "./support/stand.mjs";
 
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -97,6 +97,10 @@ it("first page and errors are accessible", async () => {
   await page.locator("#file").setInputFiles(letter());
   await page.getByRole("alert").waitFor();
   await accessible("error");
+  await window.goto("#");
+  await page.locator("#file").setInputFiles(cutShort());
+  await page.getByText(/marked in the view/).waitFor();
+  await accessible("damaged file");
 });
 
 it("turning a result of 30 k triangles costs little script time a frame", async () => {
@@ -115,9 +119,23 @@ it("turning a result of 30 k triangles costs little script time a frame", async 
   const milliseconds = await scriptTimeOfTurning(large.page);
   console.log(`script time a frame: ${milliseconds.toFixed(2)} ms`);
   assert.ok(milliseconds > 0 && milliseconds < FRAME_SCRIPT_MS, `${milliseconds} ms`);
+  await findsByName(large.page);
   assert.deepEqual(large.complaints, []);
   await large.close();
 });
+
+/** Among many, a part or a seam is found by what is printed on it. */
+async function findsByName(page) {
+  await page.getByRole("tab", { name: "Parts" }).click();
+  const find = page.getByLabel("Find a part or a seam");
+  await find.fill("c2");
+  assert.equal(await page.locator(".flat .part.chosen .part-label").textContent(), "C2");
+  await find.fill("7");
+  await page.getByRole("heading", { name: "Seam 7" }).waitFor();
+  await find.fill("nowhere");
+  await find.press("Enter");
+  await page.getByText("Nothing here is called nowhere.").waitFor();
+}
 
 /** Drags the 3D view around; the script's own processor time for a frame, which other programs do not lengthen. */
 async function scriptTimeOfTurning(page) {

@@ -37,9 +37,17 @@ it("turns one upright, and gives all the same material", async () => {
   assert.equal(await page.locator(".axis.height").innerText(), "x ↕");
   assert.ok(!(await page.locator(".canvas3d").screenshot()).equals(before), "the shape did not turn");
   await page.getByRole("radio", { name: /Plywood/ }).check();
+  await page.getByText("More settings").click();
+  await page.getByLabel("Most sides of a part").fill("5");
+  await page.getByText("1 changed").waitFor();
   await page.getByRole("button", { name: "standing.stl" }).click();
   assert.equal(await up().inputValue(), "z");
   assert.ok(await page.getByRole("radio", { name: /Plywood/ }).isChecked());
+  assert.equal(await page.getByLabel("Most sides of a part").inputValue(), "5");
+  await page.getByRole("button", { name: "Back to the usual settings" }).click();
+  assert.equal(await page.getByLabel("Most sides of a part").inputValue(), "6");
+  assert.equal(await page.getByText("1 changed").isVisible(), false);
+  await page.getByText("More settings").click();
 });
 
 it("makes them all, and the list shows them", async () => {
@@ -48,6 +56,16 @@ it("makes them all, and the list shows them", async () => {
   await page.locator(".card", { hasText: "lying" }).click();
   await window.ready();
   assert.equal(await up().inputValue(), "x");
+});
+
+it("looks the same on another device", async () => {
+  const other = await Window.open(browser, server);
+  await other.goto(new URL(page.url()).hash);
+  await other.ready();
+  assert.equal(await up(other.page).inputValue(), "x");
+  await other.page.getByText(/plywood/).first().waitFor();
+  assert.deepEqual(other.complaints, []);
+  await other.close();
 });
 
 it("prints the pictures that way up, and hands it on with the link", async () => {

@@ -1,6 +1,7 @@
 // Symmetric decompositions: every point, part and seam has its exact mirror image.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "pipeline/run.h"
 #include "sheetform/base/error.h"
@@ -160,9 +161,25 @@ TEST(SymmetricResult, AWrongPlaneIsRefused) {
       ADD_FAILURE() << "a wrong plane was taken";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::kUnsupportedMesh);
-      EXPECT_EQ(e.where(), "symmetry");
+      EXPECT_EQ(e.where().rfind("symmetry", 0), 0u) << e.where();
       EXPECT_FALSE(e.fix().empty());
     }
+  }
+}
+
+TEST(SymmetricResult, AWrongPlaneIsToldWithThePlaceThatDeviatesMost) {
+  const Vector3 centre(5, -3, 40), bump = centre + Vector3(1, 0, 0);
+  TriangleSoup soup = egg(centre);
+  for (Vector3& p : soup.points) p.x() += 0.8 * std::exp(-9 * (p - bump).squaredNorm());
+  try {
+    run(soup, in_plane(Vector3::UnitX(), centre.x()));
+    ADD_FAILURE() << "a wrong plane was taken";
+  } catch (const Error& e) {
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(e.where().c_str(), "symmetry, at (%lf, %lf, %lf)", &x, &y, &z), 3) << e.where();
+    EXPECT_LT((Vector3(std::abs(x - centre.x()), y - centre.y(), z - centre.z()) - Vector3(1, 0, 0)).norm(),
+              0.9)
+        << "the bump, or its image on the other side";
   }
 }
 

@@ -54,6 +54,16 @@ class Exports(ServerCase):
         self.assertEqual(drop(plain).keys(), drop(told).keys())
         self.assertEqual(self.export("svg").body.count(b"<path"), self.export("svg", **named).body.count(b"<path"))
 
+    def test_pictures_stand_as_the_job_says(self):
+        job = self.server.wait(self.server.submit(arc(seed=77), up="-y", material="plywood")["jobID"], timeout=120)
+        self.assertEqual([job["parameters"][name] for name in ("up", "material")], ["-y", "plywood"])
+        base = f"/api/v1/jobs/{job['jobID']}/exports"
+        usual = {p["name"]: p["default"] for p in self.server.get(base).json()["parameters"]}
+        self.assertEqual(usual["up"], "-y")
+        drawn = {up: self.server.get(f"{base}/pdf{up}").body for up in ("", "?up=-y", "?up=z")}
+        self.assertEqual(drawn[""], drawn["?up=-y"])
+        self.assertNotEqual(drawn[""], drawn["?up=z"])
+
     def test_the_query_changes_the_file(self):
         plain = self.export("svg").body
         for name, value in [("profile", "lightburn"), ("kerf", "0.5"), ("rulings", "none"), ("sheet_size", "a3"), ("copies", "2")]:

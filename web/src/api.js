@@ -8,7 +8,15 @@ export class ProblemError extends Error {
     super(problem.detail || problem.title);
     this.problem = problem;
   }
+
+  /** Whether it is the server that is away or busy: the same may go well in a moment. */
+  get passing() {
+    const { status } = this.problem;
+    return [0, 429, 502, 503, 504].includes(status);
+  }
 }
+
+export const A_MOMENT = 2000; // milliseconds after which one tries again
 
 /** The problem of a request that got no answer at all. */
 function unreachable() {

@@ -60,12 +60,6 @@ class Drafts extends Observable {
     this.current = k;
     this.changed();
   }
-
-  remove(draft) {
-    this.list = this.list.filter((item) => item !== draft);
-    this.current = Math.min(this.current, Math.max(0, this.list.length - 1));
-    this.changed();
-  }
 }
 
 export const drafts = new Drafts();
@@ -94,6 +88,9 @@ function offerSize(draft) {
   draft.scale = scale;
   draft.offered = { scale, longest };
 }
+
+/** The ways a shape may stand: the axis of the mesh that points up. */
+export const UPS = ["z", "y", "x", "-z", "-y", "-x"];
 
 /** STL comes from CAD and printing, where z is up; in OBJ, PLY and OFF it is mostly y. Samples say so in their name. */
 export function guessUp({ format }) {

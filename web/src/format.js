@@ -7,7 +7,7 @@ export function count(value, singular, plural = `${singular}s`) {
   return `${grouped.format(value)} ${value === 1 ? singular : plural}`;
 }
 
-/** Millimetres with as many digits as a workshop can use: under 0.01 mm, 0.04 mm, 3.2 mm, 148 mm, 2.35 m. */
+/** Millimetres with as many digits as a workshop can use: < 0.01 mm, 0.04 mm, 3.2 mm, 148 mm, 2.35 m. */
 export function millimetres(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -15,7 +15,7 @@ export function millimetres(value) {
   if (size >= 100) return `${number(0).format(value)} mm`;
   if (size >= 10) return `${number(1).format(value)} mm`;
   if (size >= 0.01 || size === 0) return `${number(2).format(value)} mm`;
-  return "under 0.01 mm";
+  return "< 0.01 mm";
 }
 
 /** Width by depth, and height, with one unit: 313 × 141 mm. */

@@ -1,8 +1,9 @@
 // The page's frame: header, routes (#, #new, #job/<id>, #job/<sweep>/<point>), files dropped anywhere, light and dark.
-import { ProblemError, getProcess, openPoint, openSession } from "./api.js";
+import { A_MOMENT, ProblemError, getProcess, openPoint, openSession } from "./api.js";
 import { freshId, h, replace } from "./dom.js";
-import { drafts } from "./drafts.js";
+import { UPS, drafts } from "./drafts.js";
 import { jobs } from "./jobs.js";
+import { MATERIALS } from "./materials.js";
 import { knownOf, recall, remember, rememberOf } from "./prefs.js";
 import { homePage } from "./ui/home.js";
 import { icon } from "./ui/icons.js";
@@ -82,6 +83,7 @@ class App {
     try {
       await this.load();
       if (this.turn !== turn) return;
+      this.away = null;
       const [place, more] = hash.slice(5).split("?");
       const [id, point] = place.split("/").map(decodeURIComponent);
       if (more) takeAlong(id, place, more);
@@ -89,7 +91,10 @@ class App {
       if (hash === "#new") this.show(() => (drafts.draft ? this.pages.setupPage(this) : homePage(this)));
       else this.show(() => this.pages.jobPage({ ...this, go: this.go, id }));
     } catch (error) {
-      if (this.turn === turn) this.showProblem(error);
+      if (this.turn !== turn) return;
+      if (!error.passing || this.away !== hash) this.showProblem(error);
+      this.away = hash; // of this page it has been said
+      if (error.passing) setTimeout(() => this.turn === turn && this.route(), A_MOMENT);
     }
   }
 
@@ -184,8 +189,9 @@ class App {
 /** A link may say how a result was looked at (#job/<id>?up=y&material=paper); what is known here already stays. */
 function takeAlong(id, place, more) {
   const told = new URLSearchParams(more);
-  const wanted = Object.fromEntries(["up", "material"].flatMap((name) => (told.has(name) ? [[name, told.get(name)]] : [])));
-  rememberOf(id, { ...wanted, ...knownOf(id) });
+  const known = { up: UPS, material: MATERIALS.map((material) => material.id) };
+  const wanted = Object.entries(known).filter(([name, values]) => values.includes(told.get(name)));
+  rememberOf(id, { ...Object.fromEntries(wanted.map(([name]) => [name, told.get(name)])), ...knownOf(id) });
   history.replaceState(null, "", `#job/${place}`);
 }
 

@@ -20,17 +20,9 @@ export function remember(name, value) {
   }
 }
 
-export function forget(name) {
-  try {
-    localStorage.removeItem(PREFIX + name);
-  } catch {
-    /* as above */
-  }
-}
-
 const MAX_JOBS = 300;
 
-/** What only this device knows of a job: {material, up}. */
+/** How a job is looked at on this device, where that is not what the job itself says: {material, up}. */
 export const knownOf = (id) => recall("jobs", {})[id] ?? {};
 
 export function rememberOf(id, more) {

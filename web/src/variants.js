@@ -6,14 +6,20 @@ import { inheritPicture, knownOf, rememberOf } from "./prefs.js";
 /** Millimetres for one unit of the mesh, as in force. */
 export const scaleOf = (job) => job.inputs?.mesh?.scale ?? job.parameters?.scale ?? 1;
 
+/** How a job is looked at: {up, material}. What was chosen on this device since, or came with a link, wins. */
+export function viewOf(job) {
+  const { up, material } = job.parameters ?? {};
+  return { up, material, ...knownOf(job.jobID) };
+}
+
 /** Parameters as they were asked for, with size and tolerance as in force: a scale and a fraction of the diagonal. */
 export function asAsked(job) {
   const { e_max_mm, target_size, ...rest } = job.parameters ?? {};
   void target_size;
-  const asked = { ...rest, scale: scaleOf(job) };
+  const asked = { ...rest, ...viewOf(job), scale: scaleOf(job) };
   const diagonal = (job.inputs?.mesh?.bboxDiagonal ?? 0) * asked.scale;
   if (e_max_mm && diagonal) asked.e_max = Number((e_max_mm / diagonal).toPrecision(6));
-  return Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null));
+  return Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null && value !== undefined));
 }
 
 /** Starts a job of the mesh of `job` with parameters that differ in `change`; resolves with the new job. */
@@ -24,15 +30,15 @@ async function again(job, change, options = {}) {
     { ...asAsked(job), ...change },
     { guides, tag: job.tag, filename: job.inputs?.mesh?.name, ...options },
   );
-  inherit(job.jobID, next.jobID);
+  inheritPicture(job.jobID, next.jobID);
   jobs.put(next);
   return next;
 }
 
-/** What only this device knows of a job: the new one is of the same material, stands the same way up, looks alike. */
-export function inherit(from, to) {
-  rememberOf(to, { ...knownOf(from), ...knownOf(to) });
-  inheritPicture(from, to);
+/** A point of a sweep is looked at like the sweep. */
+export function inherit(sweep, point) {
+  rememberOf(point, { ...knownOf(sweep), ...knownOf(point) });
+  inheritPicture(sweep, point);
 }
 
 export const startVariant = (job, change) => again(job, change);

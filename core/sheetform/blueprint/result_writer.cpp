@@ -128,7 +128,9 @@ Json parameters_of(const DecomposeParams& p) {
           {"morph", p.morph == MorphKind::kFull ? "full" : "reduced"},
           {"scale", p.scale},
           {"target_size", or_null(p.target_size)},
-          {"seed", p.seed}};
+          {"seed", p.seed},
+          {"material", or_null(p.material)},
+          {"up", or_null(p.up)}};
 }
 
 // The strokes as they were given, so that the run can be made again.

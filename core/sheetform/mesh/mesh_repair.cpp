@@ -7,6 +7,7 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/gluing.h"
+#include "sheetform/mesh/place_text.h"
 #include "sheetform/mesh/prepare.h"
 #include "sheetform/mesh/subdivide.h"
 #include "sheetform/mesh/weld.h"
@@ -346,8 +347,18 @@ void fill_audit(const TriangleSoup& soup, Work& work, RepairResult& result) {
   result.audit.findings = std::move(work.findings);
 }
 
-[[noreturn]] void nothing_left(const std::string& what) {
-  throw Error(ErrorCode::kUnsupportedMesh, what, {}, "give a surface of triangles or polygons with an area");
+[[noreturn]] void nothing_left(const std::string& what, const std::string& where = {}) {
+  throw Error(ErrorCode::kUnsupportedMesh, what, where,
+              "give a surface of triangles or polygons with an area");
+}
+
+// What a mesh without an area is: a line, and where it runs.
+std::string line_of(const std::vector<Vector3>& points) {
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(), [](const Vector3& a, const Vector3& b) {
+        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+      });
+  return "on a line from " + text_of(*low) + " to " + text_of(*high);
 }
 
 // Readers give sound soups; a caller's own may not be.
@@ -401,7 +412,7 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
   context.checkpoint();
   const double diagonal = bounding_box_diagonal(result.mesh.points);
   if (!(surface_area(result.mesh) > kLeastArea * diagonal * diagonal))
-    nothing_left("all faces of the mesh together have no area");
+    nothing_left("all faces of the mesh together have no area", line_of(result.mesh.points));
   fill_audit(soup, work, result);
   context.checkpoint();
   return result;

@@ -18,6 +18,21 @@ export async function launch() {
   });
 }
 
+/** Runs in the page. */
+async function countPixels([picture, variable]) {
+  const bytes = Uint8Array.from(atob(picture), (c) => c.charCodeAt(0));
+  const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+  const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d", { willReadFrequently: true });
+  context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(variable).trim();
+  context.fillRect(0, 0, 1, 1);
+  const wanted = context.getImageData(0, 0, 1, 1).data;
+  context.drawImage(bitmap, 0, 0);
+  const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) if ([0, 1, 2].every((c) => Math.abs(data[k + c] - wanted[c]) <= 4)) count++;
+  return count;
+}
+
 export class Window {
   /** @param options of browser.newContext: viewport, colorScheme, hasTouch ... */
   static async open(browser, server, options = {}) {
@@ -52,6 +67,18 @@ export class Window {
   async shot(name) {
     await mkdir(ARTEFACTS, { recursive: true });
     await this.page.screenshot({ path: path.join(ARTEFACTS, `${name}.png`) });
+  }
+
+  /** Waits until what was asked for is drawn. */
+  drawn() {
+    return this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  }
+
+  /** Pixels of the 3D view that have the colour of a variable of the styles. */
+  async pixelsOf(variable) {
+    await this.drawn();
+    const picture = await this.page.locator(".view3d").screenshot();
+    return this.page.evaluate(countPixels, [picture.toString("base64"), variable]);
   }
 
   /** Waits until the result that the address names is drawn. */

@@ -22,6 +22,12 @@ export function tubeStl(name = "tube.stl", { radius = 2, height = 5, around = 48
   return { name, mimeType: "model/stl", buffer };
 }
 
+/** The tube, whose copy broke off: the last quarter of its triangles is missing. */
+export function cutShort(name = "cut-short.stl") {
+  const { buffer, ...rest } = tubeStl(name, { radius: 40, height: 100 });
+  return { ...rest, buffer: buffer.subarray(0, Math.floor(0.75 * buffer.length)) };
+}
+
 export const letter = () => file("letter.obj", "Dear reader,\nthis is not a mesh.\n");
 
 /** Readable, but without any area: nothing can be made of it. */

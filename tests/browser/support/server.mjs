@@ -7,6 +7,8 @@ import path from "node:path";
 import { fileURLToPath } from "node:url";
 
 const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../../..");
+/** A page that is not the one built in, to look at changes at once. */
+const PAGE = process.env.SHEETFORM_WEB_DIR ? ["--web-dir", process.env.SHEETFORM_WEB_DIR] : [];
 const PROGRAM = process.env.SHEETFORM_PROGRAM ?? path.join(ROOT, "build/release/sheetform");
 
 async function freePort() {
@@ -33,7 +35,7 @@ export class Server {
     this.output = "";
     this.process = spawn(
       PROGRAM,
-      ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...this.options],
+      ["serve", "--listen", `127.0.0.1:${this.port}`, "--data", this.data, ...PAGE, ...this.options],
       { stdio: ["ignore", "pipe", "pipe"] },
     );
     this.ended = new Promise((resolve) => this.process.on("exit", resolve));
@@ -44,7 +46,7 @@ export class Server {
       stream.on("data", (text) => {
         this.output += text;
       });
-    for (let attempt = 0; attempt < 300; attempt++) {
+    for (let attempt = 0; attempt < 1200; attempt++) {
       if (this.process.exitCode !== null) break;
       try {
         if ((await fetch(`${this.url}healthz`)).ok) return;

@@ -72,13 +72,15 @@ it("asks only for what differs from the defaults", () => {
 it("takes the material's sheet when the parts fit, turned if need be", () => {
   const paper = { id: "paper", sheet: [210, 297], preset: "a4" };
   const part = (w, d) => ({ box: [10, 10, 10 + w, 10 + d] });
-  const printed = { profile: "print", tabs: "one" };
+  const printed = { ruling_step: "10", profile: "print", tabs: "one" };
   const fits = { sheet_size: "a4", page: "sheet", margin: "10", ...printed };
   assert.deepEqual(usualWish(paper, [part(260, 170)]), fits, "a page a sheet, not four");
   const large = { sheet_size: "auto", page: "a4", ...printed };
   assert.deepEqual(usualWish(paper, [part(260, 170), part(280, 20)]), large);
   const card = { id: "card", sheet: [297, 420], preset: "a3" };
-  assert.deepEqual(usualWish(card, [part(400, 20)]), { sheet_size: "a3", page: "sheet" });
+  assert.deepEqual(usualWish(card, [part(400, 20)]), { sheet_size: "a3", page: "sheet", ruling_step: "10" });
+  const plywood = { id: "plywood", sheet: [600, 400], preset: "600x400", stiff: true };
+  assert.deepEqual(usualWish(plywood, [part(400, 20)]), { sheet_size: "600x400", page: "sheet", rulings: "ticks" });
 });
 
 it("remembers the workshop's choices, not the model's", () => {

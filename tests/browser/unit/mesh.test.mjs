@@ -103,6 +103,61 @@ describe("what is no mesh", () => {
   }
 });
 
+describe("a damaged file", () => {
+  const withNan = () => {
+    const view = new DataView(binaryStl());
+    view.setFloat32(84 + 50 * 2 + 12, NaN, true); // the first corner of the third triangle
+    return view.buffer;
+  };
+  const text = (name) => new TextDecoder().decode(FILES[name]);
+  // what is left, and where it is damaged
+  const cases = {
+    "binary stl with a corner that has no place": [withNan(), 3, [CORNERS[2], CORNERS[3]], /no place/, /face 3/],
+    "binary stl cut short": [binaryStl().slice(0, 84 + 50 * 3 + 20), 3, FACES[2].map((v) => CORNERS[v]), /of 4 triangles 3/, /^$/],
+    "text stl cut short": [
+      bytes(text("stl").slice(0, text("stl").lastIndexOf("vertex"))), 3, FACES[2].map((v) => CORNERS[v]), /cut short/, /^$/],
+    "obj with a word for a number": [
+      bytes(text("obj").replace("v 0 0 4", "v 0 zero 4")), 1,
+      [[0, 0, 0], [2, 0, 0], [2, 0, 0], [0, 3, 0], [0, 3, 0], [0, 0, 0]], /“zero” is not a number/, /line 6/],
+    "obj with a missing vertex": [bytes(`${text("obj")}f 1 2 9\n`), 4, [CORNERS[0], CORNERS[1]], /only 4/, /face 5/],
+    "off with a missing vertex": [bytes(text("off").replace("3 2 0 3", "3 2 x 3")), 3, [CORNERS[2], CORNERS[3]], /./, /face 4/],
+    "off cut short": [bytes(text("off").slice(0, -8)), 3, FACES[2].map((v) => CORNERS[v]), /cut short/, /^$/],
+    "ply cut short": [binaryPly(true).slice(0, -5), 3, FACES[2].map((v) => CORNERS[v]), /cut short/, /^$/],
+  };
+  for (const [name, [buffer, faces, places, words, where]] of Object.entries(cases)) {
+    it(name, () => {
+      const error = errorOf(buffer);
+      assert.match(error.message, words);
+      assert.match(error.where, where);
+      assert.ok(error.fix);
+      assert.equal(error.rest.faces.length, 3 * faces);
+      assert.deepEqual(error.places, places);
+      const seen = inspect(error.rest.points, error.rest.faces);
+      assert.ok(seen.positions.every(Number.isFinite));
+    });
+  }
+
+  it("of which nothing is left has nothing to show", () => {
+    assert.equal(errorOf(bytes("v 0 zero 0\nf 1 1 1\n")).rest, null);
+  });
+
+  it("is none where a binary STL has a few bytes more, as some programs write", () => {
+    const longer = new Uint8Array(binaryStl().byteLength + 2);
+    longer.set(new Uint8Array(binaryStl()));
+    assert.equal(readMesh(longer.buffer).faces.length, 12);
+  });
+});
+
+function errorOf(buffer) {
+  try {
+    readMesh(buffer);
+  } catch (error) {
+    assert.ok(error instanceof MeshError, error.stack);
+    return error;
+  }
+  assert.fail("it was taken");
+}
+
 it("notices faces that look inwards", () => {
   const flipped = FACES.map(([a, b, c]) => [a, c, b]);
   const points = Float64Array.from(CORNERS.flat());

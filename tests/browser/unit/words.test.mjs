@@ -15,6 +15,7 @@ import {
 } from "../../../web/src/format.js";
 import { secondsLeft, titleOf } from "../../../web/src/jobs.js";
 import { materialOf, offeredScale, sizeWarning } from "../../../web/src/materials.js";
+import { inPageWords } from "../../../web/src/ui/problem.js";
 import { kindOf, readNumber } from "../../../web/src/ui/number_range.js";
 
 it("writes lengths as a workshop does", () => {
@@ -30,7 +31,7 @@ it("writes lengths as a workshop does", () => {
   assert.equal(area(61700), "617 cm²");
   assert.equal(area(2.5e6), "2.5 m²");
   assert.equal(millimetres(undefined), "–");
-  assert.equal(millimetres(0.0024), "under 0.01 mm");
+  assert.equal(millimetres(0.0024), "< 0.01 mm");
 });
 
 it("writes shares, counts, sizes and times", () => {
@@ -48,6 +49,19 @@ it("sends booleans as on and off and leaves out what is not set", () => {
     queryOf({ e_max: 0.02, t_junctions: false, self_seams: true, tag: "", target_size: undefined }).toString(),
     "e_max=0.02&t_junctions=off&self_seams=on",
   );
+});
+
+it("says the server's problems in the page's words", () => {
+  const inputs = { e_max: { title: "Tolerance" }, symmetry: { title: "Symmetry" } };
+  const said = (problem) => inPageWords({ title: "No", ...problem }, inputs);
+  const wrong = said({ where: "symmetry, at (1.5, -2, 3e4)", fix: "give another plane, a larger e_max, or use auto" });
+  assert.equal(wrong.where, "“Symmetry”, at (1.5, -2, 3e4)");
+  assert.equal(wrong.fix, "give another plane, a larger “Tolerance”, or use auto");
+  assert.equal(said({ fix: "allow a larger tolerance (e_max), or less" }).fix, "allow a larger tolerance, or less");
+  const died = said({ detail: "it died of signal 11 (Segmentation fault) in stage trace", where: "trace" });
+  assert.equal(died.detail, "it died of signal 11 (Segmentation fault) at the stage “Tracing possible seams”");
+  assert.equal(died.where, "");
+  assert.equal(said({ where: "line 12" }).where, "line 12");
 });
 
 it("guesses the time that is left only when a guess is worth something", () => {

@@ -244,6 +244,16 @@ TEST(MeshRepair, NothingLeftIsAnError) {
   }
 }
 
+TEST(MeshRepair, AMeshWithoutAreaIsToldWhereItRuns) {
+  try {
+    repair({{{-1, 2, 0}, {0, 1, 0.5}, {1, 0, 1}, {3, -2, 2}}, {{0, 1, 2}, {1, 2, 3}}});
+    ADD_FAILURE() << "was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.where(), "on a line from (-1, 2, 0) to (3, -2, 2)");
+    EXPECT_FALSE(e.fix().empty());
+  }
+}
+
 TEST(MeshRepair, UnsoundSoupsAreRefused) {
   const std::vector<Vector3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {std::nan(""), 0, 0}};
   EXPECT_THROW(repair({p, {{0, 1, 4}}}), Error);

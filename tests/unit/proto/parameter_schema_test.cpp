@@ -29,10 +29,11 @@ std::string refusal_of(const char* name, const std::string& text) {
 TEST(ParameterSchema, NamesEveryParameterOnce) {
   std::vector<std::string> names;
   for (const ParameterDefinition& d : parameter_definitions()) names.push_back(d.name);
-  EXPECT_THAT(names, testing::UnorderedElementsAre(
-                         "target_size", "scale", "e_max", "e_max_mm", "normal_deviation", "t_junctions",
-                         "self_seams", "creases", "symmetry", "max_sides", "ruling_spacing_min",
-                         "ruling_spacing_max", "min_bend_radius", "effort", "morph", "seed"));
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("target_size", "scale", "e_max", "e_max_mm", "normal_deviation",
+                                            "t_junctions", "self_seams", "creases", "symmetry", "max_sides",
+                                            "ruling_spacing_min", "ruling_spacing_max", "min_bend_radius",
+                                            "effort", "morph", "seed", "material", "up"));
 }
 
 TEST(ParameterSchema, EveryDefinitionIsFitForPeople) {

@@ -20,7 +20,7 @@ TEST(Mapping, EveryParameterReachesCoreAndComesBack) {
   const api::Json values = api::complete_parameters(api::Json::parse(
       R"({"e_max":0.01,"e_max_mm":3,"t_junctions":false,"symmetry":"0,1,0,2.5","max_sides":4,"creases":"off",
           "self_seams":false,"normal_deviation":12.5,"ruling_spacing_min":2,"ruling_spacing_max":8,"min_bend_radius":15,"effort":"thorough","morph":"full","scale":25.4,"target_size":300,
-          "seed":7})"));
+          "seed":7,"material":"plywood","up":"-y"})"));
   EXPECT_EQ(values.size(), api::parameter_definitions().size());
   EXPECT_EQ(to_wire(to_core(values)), values);
 }

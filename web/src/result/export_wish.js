@@ -1,7 +1,7 @@
 // What a download shall be: the parameters that the server offers, sorted into fields, and what was chosen as a query.
 
 /** Offered first; all others are folded away. */
-export const FIRST = ["profile", "sheet_size", "oversize", "page", "kerf", "rulings", "tabs"];
+const FIRST = ["profile", "sheet_size", "oversize", "page", "rulings", "ruling_step", "kerf", "tabs"];
 
 /** Chosen elsewhere on the page: a sheet in the preview, a part in the list of parts, what is up in the 3D view. */
 const ELSEWHERE = new Set(["sheet", "part", "up"]);
@@ -11,6 +11,7 @@ const TITLES = {
   sheet_size: "Sheet",
   page: "Pages of the PDF",
   rulings: "Bend lines",
+  ruling_step: "Bend per line",
   tabs: "Glue tabs",
   dxf: "DXF version",
   oversize: "If a part is larger",
@@ -116,7 +117,7 @@ const TAB = 6;
 /**
  * What is usual: the material's sheet when every part fits on it, otherwise one as large as the parts need. Paper is
  * printed at home: a page a sheet, inside of what the printer leaves white, or one large sheet over several pages; and
- * it is glued, so it has tabs.
+ * it is glued, so it has tabs. Stiff sheets bend round by themselves: a line would only weaken them, ticks say which way.
  */
 export function usualWish(material, parts) {
   const paper = material.id === "paper";
@@ -127,6 +128,8 @@ export function usualWish(material, parts) {
     return Math.min(w, d) <= Math.min(a, b) && Math.max(w, d) <= Math.max(a, b);
   });
   const wish = { sheet_size: fits ? material.preset : "auto", page: "sheet" };
+  if (material.stiff) return { ...wish, rulings: "ticks" };
+  wish.ruling_step = "10"; // half as many lines as usual are enough for what bends easily
   if (!paper) return wish;
   return { ...wish, ...(fits ? { margin: String(PRINTER) } : { page: material.preset }), profile: "print", tabs: "one" };
 }

@@ -17,7 +17,7 @@ import { bend } from "./fold.js";
  */
 
 /** Splits the text of an OBJ file; only the records that a result has. */
-export function parseRuledObj(text) {
+function parseRuledObj(text) {
   const points = [];
   const uvs = [];
   const groups = new Map();
@@ -77,6 +77,11 @@ export function parseResult(objText, layout) {
   model.partIndex = new Map(parts.map((part, k) => [part.id, k]));
   return model;
 }
+
+const TINY = 2; // millimetres
+
+/** Whether a part is too narrow to be cut and held: on average, for slivers lie askew. */
+export const isTiny = ({ area, box: [x0, y0, x1, y1] }) => area < TINY * Math.max(x1 - x0, y1 - y0);
 
 function middle(points) {
   const low = [Infinity, Infinity, Infinity];

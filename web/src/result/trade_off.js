@@ -14,7 +14,7 @@ const families = new WeakMap(); // of jobs: every event compares all of them
 
 /**
  * What makes two jobs comparable: the mesh, its size however it was asked for, and all parameters but the tolerance, the
- * effort and the seed.
+ * effort, the seed, and how it is looked at.
  */
 function family(job) {
   if (!families.has(job)) families.set(job, familyOf(job));
@@ -22,8 +22,8 @@ function family(job) {
 }
 
 function familyOf(job) {
-  const { e_max, e_max_mm, effort, seed, target_size, scale, ...rest } = job.parameters ?? {};
-  void [e_max, e_max_mm, effort, seed, target_size];
+  const { e_max, e_max_mm, effort, seed, up, material, target_size, scale, ...rest } = job.parameters ?? {};
+  void [e_max, e_max_mm, effort, seed, up, material, target_size];
   const { sha256, scale: inForce = scale ?? 1 } = job.inputs?.mesh ?? {};
   return `${sha256} ${Number(inForce).toPrecision(9)} ${JSON.stringify(Object.entries(rest).sort(([a], [b]) => (a < b ? -1 : 1)))}`;
 }

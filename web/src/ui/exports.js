@@ -1,5 +1,5 @@
 // Files for one's own machine: chosen after the computation, drawn from the stored result, shown before they are taken.
-import { getExports, getJson, getText } from "../api.js";
+import { A_MOMENT, getExports, getJson, getText } from "../api.js";
 import { h, replace } from "../dom.js";
 import { count, duration, metres, percent } from "../format.js";
 import { BEDS } from "../materials.js";
@@ -42,7 +42,9 @@ class ExportPanel {
         one.name === "sheet_size" ? { ...one, choices: [...(one.choices ?? []), ...BEDS], open: true } : one,
       );
     } catch (error) {
-      return replace(this.element, problemBox(error));
+      if (!this.timer || !error.passing) replace(this.element, problemBox(error));
+      if (error.passing) this.timer = setTimeout(() => this.start(), A_MOMENT);
+      return;
     }
     this.memory = `exports-${this.material.id}`; // paper goes another way than plywood
     this.values = firstValues(usualWish(this.material, this.model.parts), recall(this.memory, {}));
@@ -68,8 +70,7 @@ class ExportPanel {
 
   href(format, more = {}) {
     const { href } = this.formats.find((one) => one.format === format);
-    const up = this.up() ?? "z";
-    return hrefOf(href, queryOfWish(this.parameters, this.values, up === "z" ? more : { up, ...more }));
+    return hrefOf(href, queryOfWish(this.parameters, this.values, { up: this.up() ?? "z", ...more }));
   }
 
   /** Asks for the list of parts first: it says how many sheets there are, or what is wrong with the choice. */
@@ -89,8 +90,9 @@ class ExportPanel {
   }
 
   refused(error) {
-    const { status, where, detail, fix } = wordsOf(error);
-    if (status === 429) return (this.timer = setTimeout(() => this.draw(), 1500));
+    const { where, detail, fix } = wordsOf(error);
+    if (error.passing) this.timer = setTimeout(() => this.draw(), A_MOMENT);
+    if (wordsOf(error).status === 429) return; // others are making files
     this.form.mark(culpritOf(where));
     replace(this.summary, h("div", { class: "warning" }, icon("warn", 18), h("div", {}, sentences(detail, fix))));
     replace(this.preview);
@@ -124,7 +126,11 @@ class ExportPanel {
     this.preview.classList.remove("stale");
     replace(
       this.preview,
-      h("img", { src: this.url, alt: `Sheet ${this.sheet} of ${sheets}` }),
+      h(
+        "a",
+        { href: this.href("svg", { sheet, inline: 1 }), target: "_blank", title: "Look at it closely, in a tab of its own" },
+        h("img", { src: this.url, alt: `Sheet ${this.sheet} of ${sheets}` }),
+      ),
       sheets > 1 &&
         h(
           "div",

@@ -2,11 +2,14 @@
 import { h } from "../dom.js";
 import { area, count, duration, metres, millimetres, percent } from "../format.js";
 import { bendColors } from "../result/bend.js";
+import { isTiny } from "../result/parse_result.js";
 import { repairsOf } from "../result/places.js";
 import { icon } from "./icons.js";
 
-/** @param showPlaces(points) marks places in the 3D view  @param showBends() colours it by the bend radius */
-export function figures(model, job, material, { showPlaces, showBends }) {
+const FEW = 3; // notes that are read at once
+
+/** @param showPlaces(points) marks places in the 3D view  @param showColours(by) colours it by "error" or "bend" */
+export function figures(model, job, material, { showPlaces, showColours }) {
   const { report = {}, input = {}, parameters = {} } = model.layout;
   const mm = (fraction) => fraction * (input.bbox_diagonal ?? 0) * model.scale;
   const cut = model.seams.reduce((sum, seam) => sum + seam.length * (seam.border ? 1 : 2), 0);
@@ -40,9 +43,45 @@ export function figures(model, job, material, { showPlaces, showBends }) {
         ),
       ),
     ),
-    bends(model, material, showBends),
+    missed(report, parameters, (fraction) => millimetres(mm(fraction)), () => showColours("error")),
+    bends(model, material, () => showColours("bend")),
+    tiny(model),
     seconds !== null && h("p", { class: "hint" }, `Computed in ${duration(seconds)}.`),
     notes(model, showPlaces),
+  );
+}
+
+/** Nobody shall cut what is not as close as was asked for without having read it. */
+function missed({ e_max_met: met, hausdorff }, { e_max }, mm, showError) {
+  if (met ?? hausdorff <= e_max) return null;
+  return h(
+    "div",
+    { class: "bends long warning" },
+    icon("warn", 16),
+    h(
+      "span",
+      {},
+      h("strong", {}, "Tolerance missed. "),
+      `The worst place is ${mm(hausdorff)} off, ${mm(e_max)} were asked for. Allow more, or run again with more effort.`,
+    ),
+    h("button", { type: "button", class: "small right", onclick: showError }, "Show where"),
+  );
+}
+
+/** Slivers come from flaws of the mesh, or from details smaller than the tolerance wants to see. */
+function tiny({ parts }) {
+  const names = parts.filter(isTiny).map(({ label }) => label);
+  if (names.length === 0) return null;
+  const some = names.length > 6 ? [...names.slice(0, 5), "…"] : names;
+  return h(
+    "p",
+    { class: "bends" },
+    icon("info", 16),
+    h(
+      "span",
+      {},
+      `${count(names.length, "part is", "parts are")} hardly wide enough to cut (${some.join(", ")}). A larger size or tolerance has fewer.`,
+    ),
   );
 }
 
@@ -75,7 +114,7 @@ function notes(model, showPlaces) {
   };
   return h(
     "details",
-    { class: "notes", open: places.size > 0 },
+    { class: "notes", open: places.size > 0 || report.notes.length <= FEW },
     h("summary", {}, count(report.notes.length, "note")),
     h(
       "ul",

@@ -8,6 +8,8 @@ import { icon } from "./icons.js";
 import { illustration } from "./illustration.js";
 import { JobCards } from "./job_cards.js";
 
+const A_MOMENT = 1000; // milliseconds
+
 /** A file chooser that opens drafts; the returned input must be in the page. */
 function chooser(go) {
   return h("input", {
@@ -79,23 +81,56 @@ export function homePage({ go }) {
     if (jobs.known) remember("had-jobs", !section.hidden);
     cards.show();
   };
-  // The jobs shall be in sight; but nothing moves under the pointer when they arrive.
-  drop.classList.toggle("compact", jobs.known ? jobs.list.size > 0 : recall("had-jobs", false));
+  const element = h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section);
+  const stops = [layOut(element), jobs.onChange(update)];
   update();
-  const stop = jobs.onChange(update);
   const clock = setInterval(update, 30000); // "2 minutes ago" grows old
   return {
     title: "",
-    element: h("main", { class: "home", id: "main", tabindex: "-1" }, drop, samples, section),
+    element,
     dispose() {
-      stop();
+      for (const stop of stops) stop();
       clearInterval(clock);
       cards.dispose();
     },
   };
 }
 
-export function openSample(sample, go) {
+/**
+ * Who has jobs sees them without scrolling: the rest is made compact. Who is here for the first time waits for the list, a
+ * moment at most; what comes later still counts as long as nobody has begun to do something: nothing moves under the
+ * pointer. Returns what ends it.
+ */
+function layOut(element) {
+  const had = jobs.known ? jobs.list.size > 0 : recall("had-jobs");
+  const ended = new AbortController();
+  const stop = () => ended.abort();
+  const show = (compact) => {
+    element.classList.toggle("compact", compact);
+    element.classList.remove("unsettled");
+  };
+  if (had !== null) {
+    show(had);
+    return stop;
+  }
+  element.classList.add("unsettled");
+  const timer = setTimeout(() => show(false), A_MOMENT);
+  const forget = jobs.onChange(() => {
+    if (!jobs.known) return;
+    show(jobs.list.size > 0);
+    stop();
+  });
+  ended.signal.addEventListener("abort", () => {
+    clearTimeout(timer);
+    forget();
+  });
+  const begun = () => element.classList.contains("unsettled") || stop();
+  for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"])
+    addEventListener(kind, begun, { signal: ended.signal, passive: true });
+  return stop;
+}
+
+function openSample(sample, go) {
   drafts.open([sampleFile(sample)]);
   drafts.draft.up = "z";
   drafts.draft.tag = sample.title;

@@ -23,19 +23,28 @@ export class JobCards {
     this.element = h("div", { class: "job-cards" }, this.list, this.note, this.foot);
   }
 
-  /** The newest, and whatever is running; cards are put in order without moving those that stay. */
+  /** What is running, then the newest; cards are put in order without moving those that stay. */
   show() {
     const all = jobs.newestFirst();
-    const wanted = all.filter(({ status }, k) => k < this.shown || status === "running");
+    const running = all.filter(({ status }) => status === "running");
+    const wanted = [...running, ...all.filter(({ status }, k) => k < this.shown && status !== "running")];
+    const focused = document.activeElement;
     const ids = new Set(wanted.map(({ jobID }) => jobID));
     for (const id of this.cards.keys()) if (!ids.has(id)) this.remove(id);
     let place = this.list.firstChild;
     for (const job of wanted) {
       const card = this.cards.get(job.jobID) ?? this.add(job);
       card.show(job);
-      if (card.element === place) place = place.nextSibling;
-      else this.list.insertBefore(card.element, place);
+      const { element } = card;
+      // One that stands too early is taken out, and put in when it is its turn.
+      if (place && element === place.nextSibling) {
+        place.remove();
+        place = element;
+      }
+      if (element === place) place = place.nextSibling;
+      else this.list.insertBefore(element, place);
     }
+    if (focused !== document.activeElement && this.list.contains(focused)) focused.focus({ preventScroll: true });
     // A list that came whole ends; of a longer one the server has the rest.
     this.foot.hidden = all.length <= this.shown && !(jobs.older && all.length >= 100);
   }
@@ -84,6 +93,7 @@ class Card {
   show(job) {
     this.write(this.element, "className", `card ${job.status}`);
     this.write(this.title, "textContent", titleOf(job));
+    this.write(this.title, "title", titleOf(job)); // a long one is cut off
     this.write(this.words, "textContent", subtitle(job));
     this.showProgress(job);
     this.showPicture(job);
@@ -137,10 +147,11 @@ function subtitle(job) {
   const when = ago(job.created);
   if (job.status === "successful" && isSweep(job)) return `${rangeOf(job.report ?? {})} · ${when}`;
   if (job.status === "successful") {
-    const { patches, hausdorff } = job.report ?? {};
+    const { patches, hausdorff, e_max_met: met = true } = job.report ?? {};
     return [
       patches && count(patches, "part"),
-      Number.isFinite(hausdorff) && `within ${errorText(job, hausdorff)}`,
+      Number.isFinite(hausdorff) &&
+        (met ? `within ${errorText(job, hausdorff)}` : `${errorText(job, hausdorff)} off, tolerance missed`),
       when,
     ]
       .filter(Boolean)

@@ -1,17 +1,18 @@
 // One job: it waits or runs, has failed, or shows its result.
-import { getGuides, getInput, getJob } from "../api.js";
+import { A_MOMENT, getGuides, getInput, getJob } from "../api.js";
 import { announce, h, replace } from "../dom.js";
 import { drafts, guessUp } from "../drafts.js";
 import { count, duration, extent } from "../format.js";
 import { Guides } from "../guides.js";
 import { ACTIVE, STAGES, jobs, secondsLeft, titleOf } from "../jobs.js";
-import { knownOf, rememberOf } from "../prefs.js";
+import { rememberOf } from "../prefs.js";
 import { finishedOf, isSweep, stepOf } from "../result/trade_off.js";
-import { asAsked, scaleOf } from "../variants.js";
+import { asAsked, scaleOf, viewOf } from "../variants.js";
 import { placesOf } from "../result/places.js";
 import { inspectFile } from "../worker/client.js";
+import { fileHead } from "./file_head.js";
 import { icon } from "./icons.js";
-import { problemBox } from "./problem.js";
+import { inPageWords, marked, problemBox } from "./problem.js";
 import { removeButton } from "./remove_button.js";
 import { ResultView } from "./result_view.js";
 import { sweepView } from "./sweep_view.js";
@@ -40,17 +41,24 @@ class JobPage {
     this.stop = jobs.onChange(() => this.update());
     if (!jobs.get(this.id)) {
       replace(this.panel, h("p", { class: "busy" }, "Asking the server …"));
-      try {
-        jobs.put(await getJob(this.id));
-      } catch (error) {
-        this.lost(error);
-        return;
-      }
+      return this.ask();
     }
     this.update();
   }
 
+  async ask() {
+    try {
+      jobs.put(await getJob(this.id));
+      this.update();
+    } catch (error) {
+      if (this.gone || jobs.get(this.id)) return;
+      this.lost(error);
+      if (error.passing) setTimeout(() => !this.gone && this.ask(), A_MOMENT);
+    }
+  }
+
   lost(error) {
+    if (this.shown === "lost" && error.passing) return; // it has been said
     this.shown = "lost";
     this.element.classList.add("alone");
     const gone = error.problem?.status === 404 && {
@@ -83,6 +91,7 @@ class JobPage {
     if (kind === "active") this.showProgress(job);
     if (kind === this.shown) return;
     const before = this.shown;
+    this.element.classList.remove("alone");
     this.shown = kind;
     clearInterval(this.clock);
     if (kind === "active") {
@@ -91,7 +100,7 @@ class JobPage {
     }
     if (kind === "failed" || kind === "dismissed") {
       this.showEnded(job);
-      if (before !== "active") this.showInput(job);
+      if (before !== "active" || job.exception) this.showInput(job); // again, with what is wrong marked
     }
     if (kind === "successful") {
       if (isSweep(job)) this.showSweep(job);
@@ -106,7 +115,7 @@ class JobPage {
   }
 
   up(mesh) {
-    return knownOf(this.id).up ?? guessUp(mesh);
+    return viewOf(jobs.get(this.id) ?? { jobID: this.id }).up ?? guessUp(mesh);
   }
 
   rememberUp(up) {
@@ -115,24 +124,34 @@ class JobPage {
 
   /** The uploaded mesh, read once; null when it cannot be had. */
   mesh() {
-    this.meshPromise ??= getInput(this.id)
-      .then(inspectFile)
-      .catch(() => null);
-    return this.meshPromise;
+    return (this.meshPromise ??= this.fetchMesh());
+  }
+
+  async fetchMesh() {
+    try {
+      return await inspectFile(await getInput(this.id));
+    } catch (error) {
+      if (!error.passing || this.gone) return null;
+      await new Promise((later) => setTimeout(later, A_MOMENT));
+      return this.fetchMesh();
+    }
   }
 
   async showInput(job) {
     if (!this.stage.input) this.stage.clear("Fetching the mesh …");
-    const [mesh, guides] = await Promise.all([this.mesh(), getGuides(job).catch(() => null)]);
+    const mesh = await this.mesh();
+    const guides = mesh && (await getGuides(job).catch(() => null));
     if (this.gone || this.result) return;
     if (!mesh) return this.stage.clear("The mesh cannot be shown.");
+    const places = placesOf(job.exception, mesh);
     this.stage.showInput(mesh, {
       up: this.up(mesh),
       scale: scaleOf(job),
       onUp: (up) => this.rememberUp(up),
-      places: placesOf(job.exception, mesh),
+      places,
       guides: new Guides(guides),
     });
+    if (places.length > 0) this.showEnded(job, places);
   }
 
   showProgress(job) {
@@ -142,7 +161,7 @@ class JobPage {
     const left = secondsLeft(job);
     const elapsed = job.started ? (Date.now() - new Date(job.started).getTime()) / 1000 : 0;
     this.progress ??= this.makeProgress();
-    const { bar, percentText, times, stages, heading, facts } = this.progress;
+    const { bar, percentText, times, stages, heading } = this.progress;
     heading.textContent = waiting
       ? job.queuePosition > 1
         ? `Waits: number ${job.queuePosition} in the queue`
@@ -161,7 +180,6 @@ class JobPage {
       item.className = waiting || k > done ? "later" : k < done ? "done" : "now";
       item.toggleAttribute("aria-current", !waiting && k === done);
     });
-    if (facts.textContent !== (factsOf(job)?.textContent ?? "")) replace(facts, factsOf(job));
     this.progress.keep.hidden = waiting || finishedOf(job) === 0;
     this.progress.keep.textContent = wordsOfStop(job);
     if (!this.progress.element.isConnected) replace(this.panel, this.progress.element);
@@ -171,8 +189,7 @@ class JobPage {
     const bar = h("progress", { max: "100", "aria-label": "Progress" });
     const percentText = h("strong", { class: "percent" });
     const times = h("p", { class: "hint times" });
-    const heading = h("h2", {});
-    const facts = h("div", {});
+    const heading = h("h3", {});
     const note = h("div", {});
     const keep = stopButton(jobs.get(this.id), note, "");
     const stages = STAGES.map(([, text]) => h("li", {}, h("span", { class: "bullet", "aria-hidden": "true" }), text));
@@ -196,20 +213,22 @@ class JobPage {
     const element = h(
       "div",
       { class: "progress-panel" },
+      headOf(jobs.get(this.id)),
       heading,
       h("div", { class: "percent-row" }, percentText, times),
       h("div", { class: "row bar-row" }, bar, cancel),
       keep,
       h("ol", { class: "stages" }, stages),
-      facts,
       note,
     );
-    return { element, bar, percentText, times, stages, heading, facts, keep };
+    return { element, bar, percentText, times, stages, heading, keep };
   }
 
-  showEnded(job) {
+  showEnded(job, places = []) {
     // A mesh that was refused will be refused again; one that took too long may do with other settings.
-    const refused = job.exception?.status === 422 && !/(time|memory)-limit$/.test(job.exception.type ?? "");
+    const { status, type = "", where = "" } = job.exception ?? {};
+    const setting = this.process.inputs[where.split(",")[0]] !== undefined; // it is not the mesh that is at fault
+    const refused = status === 422 && !setting && !/(time|memory)-limit$/.test(type);
     const another = h("a", { class: "button primary", href: "#" }, "Choose another mesh");
     const again = h(
       "button",
@@ -219,20 +238,23 @@ class JobPage {
     );
     const retry = h("button", { type: "button", onclick: () => this.act(() => jobs.retry(this.id)) }, "Try again");
     const remove = removeButton("Remove", () => this.act(() => jobs.dismiss(this.id)), "");
-    const ways = refused ? [another, again, remove] : [again, retry, remove];
+    const ways = refused ? [another, again, remove] : [again, !setting && retry, remove];
+    const problem = job.exception
+      ? inPageWords(job.exception, this.process.inputs)
+      : { title: "The job failed", detail: job.message };
     this.note = h("div", {});
     replace(
       this.panel,
+      headOf(job),
       job.status === "failed"
-        ? problemBox(job.exception ?? { title: "The job failed", detail: job.message }, ...ways)
+        ? problemBox(marked(problem, places), ...ways)
         : h(
             "section",
             { class: "ended" },
-            h("h2", {}, "Cancelled"),
+            h("h3", {}, "Cancelled"),
             h("p", {}, "The job was stopped before it was done."),
             h("div", { class: "row" }, ways),
           ),
-      factsOf(job),
       this.note,
     );
   }
@@ -251,8 +273,7 @@ class JobPage {
       const name = job.inputs?.mesh?.name || "mesh.obj";
       const [mesh, guides] = await Promise.all([getInput(this.id), getGuides(job)]);
       const file = new File([mesh], name);
-      const { up, material } = knownOf(this.id);
-      const { e_max, scale, ...values } = { ...asAsked(job), ...change };
+      const { e_max, scale, up, material, ...values } = { ...asAsked(job), ...change };
       // Of a sweep, which has many tolerances, none is taken over.
       drafts.open([file], { tag: job.tag, scale, guides, values: isSweep(job) ? values : { ...values, e_max } });
       if (up) drafts.draft.up = up;
@@ -280,7 +301,7 @@ class JobPage {
       mesh: () => this.mesh(),
       up: (mesh) => this.up(mesh),
       onUp: (up) => this.rememberUp(up),
-      material: knownOf(this.id).material,
+      material: viewOf(job).material,
       go: this.go,
       runAgain: (change) => this.runAgain(job, change),
       remove: () => jobs.dismiss(this.id).then(() => this.go("#")),
@@ -289,14 +310,13 @@ class JobPage {
   }
 }
 
-/** What the server understood of the mesh. */
-export function factsOf(job) {
-  const mesh = job.inputs?.mesh;
-  if (!mesh) return null;
-  const size = mesh.sizeMm && extent(...mesh.sizeMm);
-  return h(
-    "p",
-    { class: "hint" },
-    [mesh.name, mesh.faces && count(mesh.faces, "triangle"), size].filter(Boolean).join(" · "),
-  );
+/** What the job is called, and what the server understood of the mesh. */
+function headOf(job) {
+  const mesh = job.inputs?.mesh ?? {};
+  const facts = [
+    job.tag && mesh.name,
+    mesh.faces && count(mesh.faces, "triangle"),
+    mesh.sizeMm && extent(...mesh.sizeMm),
+  ].filter(Boolean);
+  return fileHead(titleOf(job), facts);
 }

@@ -1,7 +1,7 @@
 // The list of parts: choose one here, and it lights up in both views; its seams and what they join.
 import { h, replace } from "../dom.js";
 import { area, count, extent, millimetres } from "../format.js";
-import { BEND_STEP } from "../result/parse_result.js";
+import { BEND_STEP, isTiny } from "../result/parse_result.js";
 
 export function partsList(model, stage, material, stops) {
   const rows = model.parts.map((part, k) => row(model, stage, part, k, material));
@@ -42,10 +42,38 @@ export function partsList(model, stage, material, stops) {
     "div",
     {},
     mirrored > 0 &&
-      h("p", { class: "hint" }, `${count(mirrored, "part is a mirror image", "parts are mirror images")} of another.`),
+      h(
+        "p",
+        { class: "hint" },
+        `${count(mirrored, "part is the mirror image", "parts are mirror images")} of another: the same outline, turned over.`,
+      ),
+    model.parts.length > FEW && finder(model, stage),
     detail,
     list,
   );
+}
+
+const FEW = 6; // parts that are found at a glance
+
+/** Who holds a part types what is printed on it, or the number of a seam, and sees where it belongs. */
+function finder(model, stage) {
+  const note = h("p", { class: "field-error", role: "status" });
+  const find = (text) => {
+    const wanted = text.trim().toUpperCase();
+    const part = model.parts.findIndex(({ label }) => label.toUpperCase() === wanted);
+    const seam = model.seams.find(({ name }) => name.toUpperCase() === wanted);
+    if (part >= 0) stage.setSelection({ selected: part, seam: null });
+    else if (seam) stage.setSelection({ selected: null, seam: seam.id });
+    return part >= 0 || seam || wanted === "";
+  };
+  const input = h("input", {
+    type: "search",
+    "aria-label": "Find a part or a seam",
+    placeholder: `Find: ${model.parts[0].label}, or the number of a seam`,
+    oninput: () => find(input.value) && (note.textContent = ""),
+    onchange: () => (note.textContent = find(input.value) ? "" : `Nothing here is called ${input.value.trim()}.`),
+  });
+  return h("div", { class: "finder" }, input, note);
 }
 
 function row(model, stage, part, k, material) {
@@ -66,6 +94,8 @@ function row(model, stage, part, k, material) {
     h("strong", {}, part.label),
     h("span", { class: "hint" }, extent(w, d)),
     h("span", { class: "hint right" }, area(part.area)),
+    part.mirrorOf !== null && h("span", { class: "tag" }, `mirror of ${labelOf(model, part.mirrorOf)}`),
+    isTiny(part) && h("span", { class: "tag warn", title: "Hardly to be cut or held" }, "tiny"),
     large &&
       h(
         "span",
@@ -121,7 +151,7 @@ function partDetail(model, stage, k) {
     h(
       "p",
       { class: "hint" },
-      `${count(part.rulings.length / 2, "bend line")} (one for every ${BEND_STEP}° of bend), ${count(part.seams.length, "edge")}:`,
+      `${bendWords(part)}, ${count(part.seams.length, "edge")}:`,
     ),
     h(
       "ul",
@@ -145,6 +175,9 @@ function partDetail(model, stage, k) {
     ),
   );
 }
+
+const bendWords = ({ rulings }) =>
+  rulings.length === 0 ? "Stays flat" : `${count(rulings.length / 2, "bend line")} (one for every ${BEND_STEP}° of bend)`;
 
 function seamDetail(model, stage, id) {
   const seam = model.seams.find((item) => item.id === id);

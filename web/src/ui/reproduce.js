@@ -44,17 +44,17 @@ export function commands(job, process, origin, sweep = null) {
   };
 }
 
-/** The address, and what of the view goes with it: whoever opens it elsewhere sees the same. */
-export function linkOf({ up, material }) {
-  const more = new URLSearchParams(Object.entries({ up, material }).filter(([, value]) => value));
-  return `${location.href.split("?")[0]}?${more}`;
+/** The address, and how it is looked at where the job itself says otherwise: whoever opens it elsewhere sees the same. */
+function linkOf(job, view) {
+  const more = new URLSearchParams(Object.entries(view).filter(([name, value]) => value && value !== job.parameters?.[name]));
+  return [location.href.split("?")[0], String(more)].filter(Boolean).join("?");
 }
 
 /** changed(): another way is up, which the link tells. */
 export function reproduce(job, process, { up, material }) {
   const source = job.reusedFrom ? jobs.get(job.reusedFrom) : null;
   const sweep = source && isSweep(source) ? source : null;
-  const address = () => linkOf({ up: up(), material: material ?? materialOf().id });
+  const address = () => linkOf(job, { up: up(), material: material ?? materialOf().id });
   const link = copyRow("Link to this result", address());
   const { guides, terminal, curl } = commands(job, process, location.origin, sweep);
   const changed = () => (link.querySelector("code").textContent = address());

@@ -1,5 +1,5 @@
 // A finished job: shape and sheets side by side, what was proven, the list of parts, the files.
-import { getResults, getText } from "../api.js";
+import { A_MOMENT, getResults, getText } from "../api.js";
 import { h, replace } from "../dom.js";
 import { titleOf } from "../jobs.js";
 import { materialOf } from "../materials.js";
@@ -8,6 +8,7 @@ import { parseResult } from "../result/parse_result.js";
 import { certificate } from "./certificate.js";
 import { downloads } from "./downloads.js";
 import { exportPanel } from "./exports.js";
+import { fileHead } from "./file_head.js";
 import { figures } from "./figures.js";
 import { icon } from "./icons.js";
 import { partsList } from "./parts_list.js";
@@ -63,7 +64,7 @@ export class ResultView {
   }
 
   async open() {
-    replace(this.panel, h("p", { class: "busy" }, "Fetching the result …"));
+    if (!this.later) replace(this.panel, h("p", { class: "busy" }, "Fetching the result …"));
     try {
       const files = await getResults(this.job.jobID);
       const [obj, layout] = await Promise.all(["ruled.obj", "layout.json"].map((name) => getText(files[name].href)));
@@ -72,11 +73,13 @@ export class ResultView {
       this.model = parseResult(obj, JSON.parse(layout));
       this.show();
     } catch (error) {
-      if (!this.gone)
+      if (this.gone) return;
+      if (!this.later || !error.passing)
         replace(
           this.panel,
           problemBox(error.problem ? error : { title: "The result cannot be shown", detail: error.message }),
         );
+      if (error.passing) this.later = setTimeout(() => this.open(), A_MOMENT);
     }
   }
 
@@ -102,7 +105,7 @@ export class ResultView {
         job.parameters?.effort === "draft" && draftNote(job, this.go),
         figures(model, job, material, {
           showPlaces: (points) => this.showPlaces(points),
-          showBends: () => this.showBends(controls),
+          showColours: (by) => this.showColours(controls, by),
         }),
         h(
           "button",
@@ -150,8 +153,8 @@ export class ResultView {
     if (points.length > 0 && this.narrow.matches) this.openTab("shape");
   }
 
-  showBends(controls) {
-    controls.show("bend");
+  showColours(controls, by) {
+    controls.show(by);
     if (this.narrow.matches) this.openTab("shape");
   }
 
@@ -211,7 +214,7 @@ export class ResultView {
       },
       buttons,
     );
-    replace(this.panel, h("header", { class: "file-head" }, h("h2", {}, titleOf(this.job))), bar, body);
+    replace(this.panel, fileHead(titleOf(this.job)), bar, body);
     const narrow = (this.narrow = matchMedia("(max-width: 760px)"));
     const adapt = () => select(narrow.matches ? "shape" : "result");
     narrow.addEventListener("change", adapt);
@@ -221,6 +224,7 @@ export class ResultView {
 
   dispose() {
     this.gone = true;
+    clearTimeout(this.later);
     for (const stop of this.stops) stop();
   }
 }

@@ -218,8 +218,4 @@ export class SchemaForm {
   changed() {
     return { ...this.values };
   }
-
-  replaceIn(host) {
-    replace(host, this.element);
-  }
 }

@@ -1,21 +1,22 @@
 // Before anything is computed: what was dropped, how large it becomes, of what, and how closely.
 import { execute } from "../api.js";
 import { freshId, h, replace } from "../dom.js";
-import { drafts, extents } from "../drafts.js";
+import { drafts, extents, guessUp } from "../drafts.js";
 import { bytes, count, millimetres } from "../format.js";
 import { jobs } from "../jobs.js";
 import { MATERIALS, OFFERED_SIZE, UNITS, materialOf, sizeWarning } from "../materials.js";
-import { keepPicture, recall, remember, rememberOf } from "../prefs.js";
+import { keepPicture, recall, remember } from "../prefs.js";
 import { placesOf } from "../result/places.js";
 import { guideList } from "./draw_tools.js";
+import { fileHead } from "./file_head.js";
 import { icon } from "./icons.js";
-import { problemBox } from "./problem.js";
+import { inPageWords, marked, problemBox } from "./problem.js";
 import { SchemaForm } from "./schema_form.js";
 import { sizeField } from "./size_field.js";
 import { toleranceField } from "./tolerance_field.js";
 
 /** Parameters that have a field of their own on this page. */
-const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm"]);
+const OWN = new Set(["target_size", "scale", "e_max", "e_max_mm", "material", "up"]);
 
 export function setupPage({ go, stage, process }) {
   const panel = h("section", { class: "panel", "aria-label": "Settings" });
@@ -31,6 +32,9 @@ export function setupPage({ go, stage, process }) {
   const update = () => {
     const draft = drafts.draft;
     if (!draft) return go("#");
+    const rest = draft.error?.rest; // of a damaged file
+    if (rest && shown !== rest)
+      stage.showInput(rest, { up: guessUp(rest), scale: draft.scale, places: draft.error.places });
     if (draft.mesh && shown !== draft.mesh) {
       stage.showInput(draft.mesh, {
         up: draft.up,
@@ -42,12 +46,9 @@ export function setupPage({ go, stage, process }) {
           page.size?.setUp(up);
         },
       });
-      shown = draft.mesh;
     }
-    if (!draft.mesh) {
-      stage.clear(draft.error ? "" : "Reading the mesh …");
-      shown = null;
-    }
+    shown = draft.mesh ?? rest ?? null;
+    if (!shown) stage.clear(draft.error ? "" : "Reading the mesh …");
     showPanel(page, draft);
   };
   const stop = drafts.onChange(update);
@@ -66,14 +67,14 @@ export function setupPage({ go, stage, process }) {
 
 function showPanel(page, draft) {
   page.drawn?.stop();
-  page.main.classList.toggle("alone", Boolean(draft.error)); // there is nothing to see
+  page.main.classList.toggle("alone", Boolean(draft.error && !draft.error.rest)); // there is nothing to see
   if (draft.error)
     return replace(
       page.panel,
       fileList(),
-      h("header", { class: "file-head" }, h("h2", {}, draft.name)),
+      fileHead(draft.name),
       problemBox(
-        draft.error,
+        marked(draft.error, draft.error.places),
         h("button", { type: "button", class: "primary", onclick: () => page.go("#") }, "Choose another file"),
       ),
     );
@@ -102,7 +103,7 @@ function showPanel(page, draft) {
       meshWarnings(draft.mesh).map((text) => warning(text)),
     );
   };
-  const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft, () => {});
+  const tolerance = toleranceField(page.process.inputs.e_max?.schema ?? {}, draft);
   const size = sizeField(draft, UNITS, () => {
     tolerance.update();
     page.stage.setScale(draft.scale);
@@ -112,13 +113,26 @@ function showPanel(page, draft) {
   page.size = size;
   size.setUp(draft.up);
   const form = new SchemaForm(page.process, { own: OWN, values: draft.values, onChange: () => showSend() });
+  const others = h("span", { class: "hint" });
+  const usual = h("button", { type: "button", class: "small" }, "Back to the usual settings");
+  usual.addEventListener("click", () => {
+    setOthers(draft.values, {});
+    showPanel(page, draft);
+    page.panel.querySelector(".more > summary").focus();
+  });
   page.drawn = guideList(
     draft.guides,
     () => draft.scale,
     (stroke) => page.stage.chooseStroke(stroke),
   );
   const send = h("div", { class: "send" });
-  const showSend = () => replace(send, sendControls(page, draft, form));
+  const showSend = () => {
+    setOthers(draft.values, form.changed());
+    const changed = Object.keys(draft.values).filter((name) => !OWN.has(name)).length;
+    others.textContent = changed > 0 ? ` ${changed} changed` : "";
+    usual.hidden = changed === 0;
+    replace(send, sendControls(page, draft, form));
+  };
   replace(
     page.panel,
     fileList(),
@@ -138,7 +152,8 @@ function showPanel(page, draft) {
     h(
       "details",
       { class: "more", open: recall("more", false), ontoggle: (event) => remember("more", event.target.open) },
-      h("summary", {}, "More settings"),
+      h("summary", {}, "More settings", others),
+      usual,
       form.element,
       nameField(draft),
     ),
@@ -146,6 +161,12 @@ function showPanel(page, draft) {
   );
   refresh();
   showSend();
+}
+
+/** What is chosen below “More settings”, of all files alike: they share `values`. */
+function setOthers(values, chosen) {
+  for (const name of Object.keys(values)) if (!OWN.has(name)) delete values[name];
+  for (const [name, value] of Object.entries(chosen)) if (!OWN.has(name)) values[name] = value;
 }
 
 function fileList() {
@@ -174,7 +195,7 @@ function fileFacts(draft) {
     mesh.borderEdges === 0 ? "closed" : "open",
     mesh.pieces > 1 && count(mesh.pieces, "piece"),
   ].filter(Boolean);
-  return h("header", { class: "file-head" }, h("h2", {}, draft.name), h("p", { class: "hint" }, facts.join(" · ")));
+  return fileHead(draft.name, facts);
 }
 
 const longest = (draft) => Math.max(...extents(draft.mesh)) * draft.scale;
@@ -275,6 +296,9 @@ function sendControls(page, draft, form) {
   ];
 }
 
+/** Elsewhere the page carries on by itself; to send is the person's own decision. */
+const NOTHING_LOST = { fix: "nothing is lost here: send it again as soon as the server answers" };
+
 /** Sends every mesh; the first job opens, errors stay here. */
 async function start(page, ready, form, place, change) {
   const abort = new AbortController();
@@ -303,29 +327,29 @@ async function start(page, ready, form, place, change) {
         },
       );
       jobs.put(job);
-      remember("values", without(form.changed(), OWN));
-      rememberJob(job.jobID, draft);
+      remember("values", forTheNext(form.changed()));
       if (draft === drafts.draft) keepPicture(job.jobID, page.stage.viewport?.picture());
       first ??= job;
     } catch (error) {
       page.sending = null;
       if (error.name === "AbortError") return replace(place, sendControls(page, draft, form));
-      page.stage.markPlaces(placesOf(error.problem, draft.mesh));
-      return replace(place, problemBox(error), sendControls(page, draft, form));
+      const places = placesOf(error.problem, draft.mesh);
+      page.stage.markPlaces(places);
+      page.stage.turnTo(places);
+      const problem = { ...inPageWords(error, page.process.inputs), ...(error.problem?.status === 0 && NOTHING_LOST) };
+      return replace(place, problemBox(marked(problem, places)), sendControls(page, draft, form));
     }
   }
   page.sending = null;
   page.go(ready.length > 1 ? "#" : `#job/${first.jobID}`);
 }
 
-/** What only this device knows of a job: material and up axis. */
-function rememberJob(id, draft) {
-  rememberOf(id, { material: draft.material, up: draft.up });
+/** Size, tolerance and a plane of symmetry belong to one mesh; the rest is offered again for the next. */
+function forTheNext({ symmetry, ...values }) {
+  const kept = ["off", "auto"].includes(symmetry) ? { ...values, symmetry } : values;
+  return Object.fromEntries(Object.entries(kept).filter(([name]) => !OWN.has(name)));
 }
 
-/** Size and tolerance belong to one mesh; the rest is offered again for the next. */
-const without = (values, names) => Object.fromEntries(Object.entries(values).filter(([name]) => !names.has(name)));
-
-function parametersOf(draft, form) {
-  return { ...form.changed(), e_max: draft.values.e_max, scale: draft.scale === 1 ? undefined : draft.scale };
+function parametersOf({ values, scale, material, up }, form) {
+  return { ...form.changed(), e_max: values.e_max, scale: scale === 1 ? undefined : scale, material, up };
 }

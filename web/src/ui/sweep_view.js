@@ -4,6 +4,7 @@ import { metres, millimetres, percent } from "../format.js";
 import { titleOf } from "../jobs.js";
 import { COSTS } from "../result/trade_off.js";
 import { scaleOf } from "../variants.js";
+import { fileHead } from "./file_head.js";
 import { removeButton } from "./remove_button.js";
 import { tradeOff } from "./trade_off_chart.js";
 
@@ -31,8 +32,8 @@ export function sweepView(job, stops, { runAgain, remove }) {
     ),
   );
   return [
-    h("header", { class: "file-head" }, h("h2", {}, titleOf(job))),
-    h("p", {}, "The same shape within several tolerances. Choose one to see it and to get its files."),
+    fileHead(titleOf(job)),
+    h("p", {}, "The same shape within several tolerances, each with files of its own."),
     tradeOff(job, scale, stops),
     h(
       "table",

@@ -8,7 +8,7 @@ const FINEST = 0.002;
 const COARSEST = 0.1;
 
 /** Works on draft.values.e_max, a fraction of the bounding-box diagonal. */
-export function toleranceField(schema, draft, onChange) {
+export function toleranceField(schema, draft) {
   const id = freshId("tolerance");
   const toShare = (value) => Math.log(value / FINEST) / Math.log(COARSEST / FINEST);
   const toValue = (share) => Number((FINEST * (COARSEST / FINEST) ** share).toPrecision(2));
@@ -43,7 +43,6 @@ export function toleranceField(schema, draft, onChange) {
   function set(value, from) {
     draft.values.e_max = value;
     update(from);
-    onChange();
   }
   function update(from = null) {
     const value = draft.values.e_max ?? schema.default ?? 0.02;

@@ -186,7 +186,7 @@ function ticks(most, least) {
 }
 
 /** A result in words: parts, length to cut, deviation; `diagonal` in mm, 0 when the size is not known. */
-export function wordsOfPoint({ report, effort }, diagonal) {
+function wordsOfPoint({ report, effort }, diagonal) {
   return [
     count(report.patches, "part"),
     diagonal && `${metres(COSTS.cut(report) * diagonal)} to cut`,

@@ -69,7 +69,7 @@ export class DepthPicker {
 }
 
 /** Depth from 0 to 1 that the four bytes say; null for nothing. */
-export function depthOf(pixels, k) {
+function depthOf(pixels, k) {
   if (pixels[k + 3] === 0) return null;
   return pixels[k] / 2 ** 8 + pixels[k + 1] / 2 ** 16 + (pixels[k + 2] + 0.5) / 2 ** 24;
 }

@@ -68,7 +68,8 @@ export class ResultObject {
     }
     this.outlinePairs = Uint32Array.from(outline);
     this.rulingPairs = Uint32Array.from(rulings);
-    this.seams = fatLines(2.2);
+    // Where hundreds of parts lie close together, wide lines would hide them.
+    this.seams = fatLines(2.2 * Math.max(0.5, Math.min(1, Math.sqrt(60 / this.model.parts.length))));
     this.chosen = fatLines(5);
     this.chosen.renderOrder = 2;
     this.rulings = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.32 }));

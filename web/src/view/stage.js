@@ -1,6 +1,6 @@
 // The stage: the 3D window and, for results, the flat layout beside it; what is chosen in one is chosen in all.
 import { h, oncePerFrame, replace } from "../dom.js";
-import { extents } from "../drafts.js";
+import { UPS, extents } from "../drafts.js";
 import { millimetres } from "../format.js";
 import { Guides } from "../guides.js";
 import { seamPlaces } from "../result/seam_places.js";
@@ -14,7 +14,11 @@ import { ResultObject } from "./result_object.js";
 import { onThemeChange } from "./theme.js";
 import { Viewport } from "./viewport.js";
 
-const UP = ["z", "y", "x", "-z", "-y", "-x"];
+/** The place in the middle of the list: a mean of places all around would lie inside. */
+const middleOf = (places) => places[Math.floor(places.length / 2)];
+
+/** Where the flat layout lies below the 3D view (styles/stage.css). */
+const UPRIGHT = "(max-aspect-ratio: 1/1)";
 
 export class Stage {
   constructor() {
@@ -25,8 +29,7 @@ export class Stage {
       class: "divider",
       role: "separator",
       tabindex: "0",
-      "aria-orientation": "vertical",
-      "aria-label": "Width of the 3D view",
+      "aria-label": "Share of the 3D view",
       "aria-valuenow": "50",
       hidden: true,
     });
@@ -84,6 +87,7 @@ export class Stage {
     this.remove("result");
     this.setFlat(false);
     replace(this.labels);
+    this.labels.classList.remove("covered");
     replace(this.tools);
     replace(this.bottom);
     this.message.hidden = !message;
@@ -109,12 +113,13 @@ export class Stage {
     if (!this.viewport) return;
     this.input = new InputObject(mesh);
     this.input.setResolution(this.view3d.clientWidth, this.view3d.clientHeight);
-    this.input.markPlaces(places);
     this.viewport.root.add(this.input.group);
     this.viewport.setUp(up);
     this.up = up;
     this.viewport.fit(this.input.radius * 1.12);
     this.viewport.home();
+    this.markPlaces(places);
+    this.turnTo(places);
     this.setScale(scale);
     replace(this.tools, this.viewTools(onUp));
     if (guides) this.showGuides(guides);
@@ -189,7 +194,7 @@ export class Stage {
           onUp?.(this.up);
         },
       },
-      UP.map((axis) => h("option", { value: axis, selected: axis === this.up }, `${axis.replace("-", "−")} up`)),
+      UPS.map((axis) => h("option", { value: axis, selected: axis === this.up }, `${axis.replace("-", "−")} up`)),
     );
     const fit = h(
       "button",
@@ -267,7 +272,13 @@ export class Stage {
   markPlaces(points) {
     const shown = this.result ?? this.input;
     shown?.marks.show(points, this.result ? this.model.radius : shown.radius);
+    this.labels.classList.toggle("covered", points.length > 0 && !this.result); // sizes would hide the marks
     this.viewport?.draw();
+  }
+
+  /** Turns the shape so that what is marked lies in front. */
+  turnTo(places) {
+    if (places.length > 0) this.viewport?.turnTo(middleOf(places));
   }
 
   /** Poses the parts and keeps them in sight. */
@@ -373,16 +384,21 @@ export class Stage {
       this.share = clamped;
     };
     this.share = 0.5;
+    const upright = matchMedia(UPRIGHT);
+    const turn = () => this.divider.setAttribute("aria-orientation", upright.matches ? "horizontal" : "vertical");
+    upright.addEventListener("change", turn);
+    turn();
     this.divider.addEventListener("pointerdown", (event) => this.divider.setPointerCapture(event.pointerId));
     this.divider.addEventListener("pointermove", (event) => {
       if (!this.divider.hasPointerCapture(event.pointerId)) return;
       const box = this.element.getBoundingClientRect();
-      set((event.clientX - box.left) / box.width);
+      set(upright.matches ? (event.clientY - box.top) / box.height : (event.clientX - box.left) / box.width);
     });
     this.divider.addEventListener("keydown", (event) => {
-      if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+      const step = { ArrowLeft: -0.04, ArrowUp: -0.04, ArrowRight: 0.04, ArrowDown: 0.04 }[event.key];
+      if (!step) return;
       event.preventDefault();
-      set(this.share + (event.key === "ArrowLeft" ? -0.04 : 0.04));
+      set(this.share + step);
     });
   }
 }

@@ -32,11 +32,6 @@ export function setTheme(theme) {
   changed();
 }
 
-export function isDark() {
-  const chosen = document.documentElement.getAttribute("data-theme");
-  return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-}
-
 /** Colours of a scale from 0 to 1: calm to alarming, readable without telling red from green. */
 const HEAT = [
   [0.17, 0.28, 0.53],

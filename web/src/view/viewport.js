@@ -17,6 +17,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const FIELD_OF_VIEW = 28;
 const HOME = { theta: 0.7, phi: 1.16 }; // a little from the right and from above
+const ASIDE = 0.35; // a place is looked at from a little beside it: that shows how it lies
 
 export class Viewport {
   /** Puts a canvas into `host`; throws when the browser has no WebGL. */
@@ -171,6 +172,14 @@ export class Viewport {
   /** Back to the first view. */
   home() {
     this.look(HOME.theta, HOME.phi);
+  }
+
+  /** Looks at the side of the shape where a point of the model lies. */
+  turnTo(point) {
+    const away = this.root.localToWorld(new Vector3(...point)).sub(this.center);
+    const { theta, phi } = new Spherical().setFromVector3(away);
+    if (Math.hypot(away.x, away.z) < 0.05 * this.radius) return this.home();
+    this.look(theta + ASIDE, (HOME.phi + Math.min(2.2, Math.max(0.6, phi))) / 2);
   }
 
   /** Looks from the given direction, angles in radians around and from above. */

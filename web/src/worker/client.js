@@ -14,7 +14,7 @@ function start() {
   worker.onmessage = ({ data: { id, output, error } }) => {
     const { resolve, reject } = waiting.get(id);
     waiting.delete(id);
-    if (error) reject(new MeshError(error.what, error.where, error.fix));
+    if (error) reject(meshError(error));
     else resolve(output);
   };
   worker.onerror = () => {
@@ -34,10 +34,18 @@ function call(task, input, transfer = []) {
   });
 }
 
-/** Reads and describes a mesh file (a Blob). Rejects with a MeshError. */
+const meshError = ({ what, where, fix, ...more }) => Object.assign(new MeshError(what, where, fix), more);
+
+/**
+ * Reads and describes a mesh file (a Blob). Rejects with a MeshError, which of a damaged file has the description of the
+ * `rest` and the `places` of the damage, relative to its centre.
+ */
 export async function inspectFile(file) {
   const buffer = await file.arrayBuffer();
-  return call("read", { buffer }, [buffer]);
+  const { mesh, error } = await call("read", { buffer }, [buffer]);
+  if (!error) return mesh;
+  const places = error.places.map((place) => place.map((value, axis) => value - mesh.center[axis]));
+  throw meshError({ ...error, rest: mesh, places });
 }
 
 /** Distances and tilts of a mesh (vertices, indices) against the triangles (points, faces); all arrays are copied. */

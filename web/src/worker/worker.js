@@ -5,10 +5,15 @@ import { inspect } from "../mesh/inspect.js";
 import { readMesh } from "../mesh/read_mesh.js";
 
 const TASKS = {
-  /** Bytes of a mesh file -> what inspect() says, with the format. */
+  /** Bytes of a mesh file -> {mesh: what inspect() says, with the format}; of a damaged file the error, too. */
   read({ buffer }) {
-    const mesh = readMesh(buffer);
-    return { format: mesh.format, ...inspect(mesh.points, mesh.faces) };
+    try {
+      return { mesh: described(readMesh(buffer)) };
+    } catch (error) {
+      if (!error.rest) throw error;
+      const { message: what, where, fix, places } = error;
+      return { mesh: described(error.rest), error: { what, where, fix, places } };
+    }
   },
 
   /**
@@ -28,6 +33,8 @@ const TASKS = {
   },
 };
 
+const described = ({ format, points, faces }) => ({ format, ...inspect(points, faces) });
+
 self.onmessage = ({ data: { id, task, input } }) => {
   try {
     const output = TASKS[task](input);
@@ -38,7 +45,7 @@ self.onmessage = ({ data: { id, task, input } }) => {
 };
 
 function transferables(output) {
-  return Object.values(output)
+  return Object.values(output.mesh ?? output)
     .filter((value) => ArrayBuffer.isView(value))
     .map((value) => value.buffer);
 }
