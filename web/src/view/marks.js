@@ -2,7 +2,7 @@
 import { Group, Mesh, MeshBasicMaterial, SphereGeometry } from "three";
 import { themeColor } from "./theme.js";
 
-const SIZE = 0.018; // of the shape's radius
+const SIZE = 0.024; // of the shape's radius
 
 export class Marks {
   group = new Group();
