@@ -78,6 +78,11 @@ struct Attempt {
   double miss = 0;  // of ComponentResult
   std::size_t bad() const { return invalid.size() + too_far.size(); }
   bool good() const { return bad() == 0; }
+  // Whether a patch has no strips at all; then nothing is measured.
+  bool has_gaps() const {
+    const auto& patches = finished.source.patches;
+    return std::any_of(patches.begin(), patches.end(), [](const auto& p) { return p.triangles.empty(); });
+  }
 };
 
 // Creases and drawn seams: the field follows them and paths end there.
@@ -363,12 +368,12 @@ class ComponentRun {
     outline = std::min(outline, outlines.size() - 1);
     Attempt best = build(search, outlines[outline].first, outlines[outline].second, bounds);
     const std::size_t parts = search.layout().patches.size();
-    if (must_split(best) || best.invalid.size() > std::max<std::size_t>(1, parts / kFewOf) ||
+    if (best.has_gaps() || best.invalid.size() > std::max<std::size_t>(1, parts / kFewOf) ||
         (parts > kManyParts && round >= kOutlineRounds))
       return best;
     for (std::size_t k = outline + 1; k < outlines.size() && !best.good(); ++k) {
       Attempt other = build(search, outlines[k].first, outlines[k].second, bounds);
-      if (rank(other) < rank(best)) best = std::move(other), outline = k;
+      if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outline = k;
     }
     SpacingBounds narrow = bounds;
     for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
@@ -378,14 +383,6 @@ class ComponentRun {
       if (as_good && other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
-  }
-
-  // No outline helps a patch whose chart folds, or that is no disk.
-  static bool must_split(const Attempt& attempt) {
-    return std::any_of(attempt.invalid.begin(), attempt.invalid.end(), [&](int p) {
-      const PatchVerdict v = attempt.finished.evaluation.patches[p]->verdict;
-      return v == PatchVerdict::kFolded || v == PatchVerdict::kNotADisk || v == PatchVerdict::kTouches;
-    });
   }
 
   Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds) {
@@ -412,6 +409,7 @@ class ComponentRun {
       attempt.evaluation = fine;
       attempt.uneven = spacing_miss(attempt.strips, params_.spacing);
       if (attempt.good()) return attempt;
+      if (attempt.has_gaps()) return step == 0 ? attempt : best;
       const bool better = step == 0 || clearly_better(attempt, best);
       stale = better ? 0 : stale + 1;
       pass.draw_to(attempt.far);
@@ -445,6 +443,10 @@ class ComponentRun {
     Attempt attempt;
     attempt.finished = finished;
     const std::vector<int>& failing = finished.failing;
+    if (attempt.has_gaps()) {  // around them distances would be those to other patches
+      attempt.invalid = failing;
+      return attempt;
+    }
     attempt.strips = assemble_strips(attempt.finished.source);
     const auto is_invalid = [&](int p) {
       return std::binary_search(failing.begin(), failing.end(), p) ||

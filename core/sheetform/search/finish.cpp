@@ -57,9 +57,6 @@ StripSource::Patch strip_patch(const PatchLayout& layout, int p, const PatchEval
   StripSource::Patch patch;
   patch.outline = unknowns;
   patch.triangles = e.rulings.triangles;
-  // Where there are no strips, a fan stands in until the patch is split, so that the others can be measured.
-  if (patch.triangles.empty())
-    for (int i = 1; i + 1 < static_cast<int>(unknowns.size()); ++i) patch.triangles.push_back({0, i, i + 1});
   for (const auto& c : e.rulings.chords) patch.rulings.push_back({c.a, c.b});
   patch.corners = e.corners;
   for (const ArchUse& use : layout.patches[p].boundary) patch.arches.push_back(use.arch);
