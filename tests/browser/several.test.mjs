@@ -58,15 +58,18 @@ it("makes them all, and the list shows them", async () => {
   assert.equal(await up().inputValue(), "x");
 });
 
-it("looks the same on another device", async () => {
+/** Another device, on which `arrive` opens the result: it stands on the same axis and is of plywood there too. */
+async function looksTheSameElsewhere(arrive, axis) {
   const other = await Window.open(browser, server);
-  await other.goto(new URL(page.url()).hash);
+  await arrive(other);
   await other.ready();
-  assert.equal(await up(other.page).inputValue(), "x");
+  assert.equal(await up(other.page).inputValue(), axis);
   await other.page.getByText(/plywood/).first().waitFor();
   assert.deepEqual(other.complaints, []);
   await other.close();
-});
+}
+
+it("looks the same on another device", () => looksTheSameElsewhere((other) => other.goto(new URL(page.url()).hash), "x"));
 
 it("prints the pictures that way up, and hands it on with the link", async () => {
   await page.getByRole("tab", { name: "Files" }).click();
@@ -78,13 +81,7 @@ it("prints the pictures that way up, and hands it on with the link", async () =>
   assert.equal((await fetch(new URL(await pdf(), server.url))).status, 200);
   await page.getByText("Make it again").click();
   const link = await page.getByRole("group", { name: "Link to this result" }).innerText();
-  const other = await Window.open(browser, server);
-  await other.page.goto(link);
-  await other.ready();
-  assert.equal(await up(other.page).inputValue(), "-x");
-  await other.page.getByText(/plywood/).first().waitFor();
-  assert.deepEqual(other.complaints, []);
-  await other.close();
+  await looksTheSameElsewhere((other) => other.page.goto(link), "-x");
 });
 
 it("begins again with the same", async () => {

@@ -14,7 +14,7 @@ namespace sheetform {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFromEnds = 0.3;
+constexpr double kFromEnds = 0.3;  // see WantedCut::margin
 using Queue =
     std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
 
