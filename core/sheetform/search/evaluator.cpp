@@ -562,9 +562,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   });
   for (int p = 0; p < n; ++p) {
     out.max_error = std::max(out.max_error, out.patch_error[p]);
-    const PatchVerdict v = out.patches[p]->verdict;
-    out.failing +=
-        (v != PatchVerdict::kViable && v != PatchVerdict::kError) || out.patch_error[p] > params_.e_max;
+    out.failing += !out.patches[p]->has_valid_strips() || out.patch_error[p] > params_.e_max;
   }
   return out;
 }

@@ -105,6 +105,8 @@ struct PatchEvaluation {
   double error = 0;                  ///< with its outline free: a lower bound for the patch in any layout
   Vector2 worst = Vector2::Zero();   ///< in the chart: where `error` is attained
   bool viable() const { return verdict == PatchVerdict::kViable; }
+  /// It has strips that do not overlap; they may be too far off.
+  bool has_valid_strips() const { return viable() || verdict == PatchVerdict::kError; }
 };
 
 /// Where the points of each arch are after the last morph, by Arch::key: from node to node.

@@ -17,9 +17,6 @@ constexpr double kTooRound = 9;
 // cost that many parts.
 constexpr double kInsideValue = 100, kInsideCost = 100;
 
-// They may be too far off, but do not overlap.
-bool has_valid_strips(const PatchEvaluation& e) { return e.viable() || e.verdict == PatchVerdict::kError; }
-
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
 }
@@ -302,7 +299,7 @@ bool LayoutSearch::region_fits(const std::vector<int>& faces) {
   const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
   if (e.max_error > params_.evaluation.e_max) return false;
   for (std::size_t p = 0; p < e.patches.size(); ++p)
-    if (!has_valid_strips(*e.patches[p]) && lost_.count(region.patches[p].key) == 0) return false;
+    if (!e.patches[p]->has_valid_strips() && lost_.count(region.patches[p].key) == 0) return false;
   store(region, e);
   return true;
 }
@@ -393,7 +390,7 @@ void LayoutSearch::know_lost() {
   const auto evaluations = evaluator_->patches(layout());
   lost_.clear();
   for (std::size_t p = 0; p < evaluations.size(); ++p)
-    if (!has_valid_strips(*evaluations[p])) lost_.insert(layout_.patches[p].key);
+    if (!evaluations[p]->has_valid_strips()) lost_.insert(layout_.patches[p].key);
 }
 
 void LayoutSearch::remove_paths() {
