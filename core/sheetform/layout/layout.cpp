@@ -268,7 +268,8 @@ class Extractor {
       if (a.closed() && self) return TopologyDefect::kNotADisk;
       const int first = use.forward ? a.vertices.front() : a.vertices.back();
       visits.push_back(first);
-      if (self)
+      const bool may_end = rules_.darts && !is_held(net_.kinds[a.path]);
+      if (self && !may_end)
         for (int end : {a.vertices.front(), a.vertices.back()})
           if (network_degree(mesh_, net_, end) == 1) return TopologyDefect::kDangling;
     }

@@ -90,6 +90,7 @@ struct PatchLayout {
 
 struct LayoutRules {
   bool self_seams = true;  ///< a patch may be glued to itself along an arch
+  bool darts = true;       ///< such an arch may end inside of the patch (creases and drawn seams may not)
 };
 
 /// The part of the layout that covers these faces, which must be whole patches; arches and keys are those of

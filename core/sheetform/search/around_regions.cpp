@@ -57,9 +57,9 @@ Vector3 LayoutSearch::outside_regions(const Vector3& from, const Vector3& to) co
 // Removable arches through a region, the one that is longest inside first, lowest edge next.
 std::vector<std::vector<int>> LayoutSearch::arches_inside() {
   std::vector<std::pair<double, std::vector<int>>> found;
-  for (const auto& [key, a] : removable_arches(layout()))
-    if (const double inside = length_inside(layout_.arches[a].edges); inside > 0)
-      found.emplace_back(-inside, layout_.arches[a].edges);
+  for (const Arch& arch : layout().arches)
+    if (const double inside = length_inside(arch.edges); inside > 0 && may_go(arch))
+      found.emplace_back(-inside, arch.edges);
   std::sort(found.begin(), found.end());
   std::vector<std::vector<int>> edges;
   for (auto& [inside, list] : found) edges.push_back(std::move(list));

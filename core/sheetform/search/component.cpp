@@ -303,7 +303,7 @@ class ComponentRun {
     search.clear_regions();
     search.smooth_what_allows();
     search.smooth_rough_arches();
-    search.remove_arches();
+    search.leave_darts();
   }
 
   // Few parts are soon tried out, and one cannot become fewer.
@@ -351,7 +351,7 @@ class ComponentRun {
           break;
         search.split(patches_with(search.layout(), far), PatchVerdict::kError);
       }
-      if (round < 6 && params_.evaluation.t_junctions) search.remove_arches();
+      if (round < 6 && params_.evaluation.t_junctions) search.leave_darts();
     }
   }
 

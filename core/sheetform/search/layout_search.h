@@ -45,6 +45,10 @@ class LayoutSearch {
   void remove_paths();
   /// Removes single arches (T-junctions appear), the most rewarding first, until none goes.
   void remove_arches();
+  /// The same, and of arches that may not go as a whole the one half or the other: what stays is a dart, a
+  /// seam that ends inside of its patch. Only where darts are allowed: with T-junctions and seams of a patch
+  /// with itself.
+  void leave_darts();
   /// Local search: a stretch of a candidate path goes in, other arches go out; kept when there are fewer
   /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
   /// kept.
@@ -84,6 +88,12 @@ class LayoutSearch {
  private:
   /// A copy of the layout to try a change on, with what is known of patches shared.
   LayoutSearch(const LayoutSearch& of, RunContext& context);
+  /// Edges that could go, with the loose ends that they leave; none when one of those may not.
+  struct Removal {
+    std::vector<int> edges;
+    int tip = -1;           ///< the loose end that stays, of a dart
+    std::uint64_t key = 0;  ///< of merge_values_
+  };
   void changed() { layout_valid_ = evaluation_valid_ = false; }
   std::vector<int> topologically_bad();
   std::vector<int> geometrically_bad();
@@ -92,7 +102,7 @@ class LayoutSearch {
   double priority(const Path& path, int patch) const;
   bool try_straighten(int edge);
   void set_straight(const std::vector<int>& edges, bool straight);
-  bool try_remove(const std::vector<int>& edges);
+  bool try_remove(const std::vector<int>& edges, int tip = -1);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
@@ -142,11 +152,15 @@ class LayoutSearch {
   Vector3 direction_of(const Walk& arch) const;
   std::vector<Relabelled> join_straight(const std::vector<int>& removed);
   int combinatorial_corners(const Patch& patch) const;
-  std::vector<int> with_loose_ends(std::vector<int> edges) const;
+  std::vector<int> with_loose_ends(std::vector<int> edges, int tip = -1) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
-  double merge_value(int arch);
+  double merge_value(const Removal& removal);
   bool too_round(const std::vector<int>& beside, double inner_length) const;
-  std::vector<std::pair<std::uint64_t, int>> removable_arches(const PatchLayout& now) const;
+  bool may_go(const Arch& arch) const;
+  std::vector<Removal> whole_arches(const PatchLayout& now) const;
+  std::vector<Removal> half_arches(const PatchLayout& now) const;
+  std::uint64_t merge_key(const PatchLayout& now, const Arch& arch) const;
+  bool remove_best(const std::vector<Removal>& all);
 
   SearchSurface& surface_;
   EditableNetwork network_;

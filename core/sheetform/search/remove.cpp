@@ -1,0 +1,274 @@
+// The part of the search that removes: whole paths, single arches, and halves of arches, which leave darts.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "sheetform/search/layout_search.h"
+
+namespace sheetform {
+namespace {
+
+// Degrees beyond its limit from which a corner stays one when the patch grows.
+constexpr double kFirm = 5;
+// Of all merges that succeed, 0.5 % are above it (at 1, 2 and 5 %), of those that are too far off 20 to 60 %.
+constexpr double kTooRound = 9;
+// Of a diagonal inside of a region where no seam is wanted: its removal goes before all others.
+constexpr double kInsideValue = 100;
+// A merge counts less by so much of the misalignment of its rulings: twelve instead of three give 62 % within
+// 15 degrees of the direction of least curvature instead of 60.5 (mean of 33 meshes at 2 %), and smoother
+// arches, for 1 % more parts.
+constexpr double kFlow = 12;
+constexpr int kLeastHalved = 4;  // edges
+
+std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
+  return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
+}
+
+}  // namespace
+
+bool LayoutSearch::try_remove(const std::vector<int>& edges, int tip) {
+  if (edges.empty() || (tip < 0 && network_.leaves_loose_end(edges))) return false;
+  const std::vector<int> beside = patches_beside(edges), faces = faces_of(beside);
+  have_places();
+  PathNetwork trial = network_.network();
+  for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
+  if (!viable_region(trial, faces)) return false;
+  std::vector<int> paths;
+  for (int e : edges) paths.push_back(network_.network().edge_path[e]);
+  PatchLayout before = std::move(layout_);
+  network_.remove_edges(edges);
+  changed();
+  const std::vector<Relabelled> joined = join_straight(edges);
+  if (region_fits(faces)) return true;
+  for (auto arch = joined.rbegin(); arch != joined.rend(); ++arch)
+    network_.restore_edges(arch->edges, arch->path);
+  if (!joined.empty() && region_fits(faces)) return true;
+  network_.restore_edges(edges, paths);
+  layout_ = std::move(before);
+  layout_valid_ = true;
+  return false;
+}
+
+// The arch that leaves vertex v over this edge, as far as its next node.
+LayoutSearch::Walk LayoutSearch::arch_from(int v, int edge) const {
+  const PathNetwork& net = network_.network();
+  Walk walk{{v}, {}};
+  while (edge >= 0) {
+    walk.edges.push_back(edge);
+    const int at = surface_.mesh.edges[edge].other(walk.vertices.back());
+    walk.vertices.push_back(at);
+    int next = -1, others = 0;
+    for (const int* r = surface_.mesh.ring_begin_of(at); r != surface_.mesh.ring_end_of(at); ++r)
+      if (*r != edge && net.used(*r)) ++others, next = *r;
+    const bool goes_on = others == 1 && net.edge_path[next] == net.edge_path[edge] && at != v;
+    edge = goes_on ? next : -1;
+  }
+  return walk;
+}
+
+// Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no
+// corner. What was changed to that end, in order.
+std::vector<LayoutSearch::Relabelled> LayoutSearch::join_straight(const std::vector<int>& removed) {
+  const PathNetwork& net = network_.network();
+  std::vector<Relabelled> changes;
+  for (int e : removed)
+    for (int v : {surface_.mesh.edges[e].v0, surface_.mesh.edges[e].v1}) {
+      std::vector<int> at;
+      for (const int* r = surface_.mesh.ring_begin_of(v); r != surface_.mesh.ring_end_of(v); ++r)
+        if (net.used(*r)) at.push_back(*r);
+      if (at.size() != 2 || net.edge_path[at[0]] == net.edge_path[at[1]]) continue;
+      const auto movable = [&](int edge) { return !is_held(net.kinds[net.edge_path[edge]]); };
+      if (!movable(at[0]) || !movable(at[1])) continue;
+      const Walk one = arch_from(v, at[0]), other = arch_from(v, at[1]);
+      if (direction_of(one).dot(direction_of(other)) > -std::cos(50 * 3.14159265358979 / 180)) continue;
+      changes.push_back({other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[1]])});
+      network_.restore_edges(other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[0]]));
+    }
+  return changes;
+}
+
+// Where an arch sets out to, over a few edges.
+Vector3 LayoutSearch::direction_of(const Walk& arch) const {
+  const std::size_t reach = std::min<std::size_t>(arch.edges.size(), 4);
+  return (surface_.mesh.points[arch.vertices[reach]] - surface_.mesh.points[arch.vertices[0]]).normalized();
+}
+
+void LayoutSearch::know_lost() {
+  const auto evaluations = evaluator_->patches(layout());
+  lost_.clear();
+  for (std::size_t p = 0; p < evaluations.size(); ++p)
+    if (!evaluations[p]->has_valid_strips()) lost_.insert(layout_.patches[p].key);
+}
+
+void LayoutSearch::remove_paths() {
+  know_lost();
+  const int count = static_cast<int>(network_.network().kinds.size());
+  for (bool removed = true; removed;) {
+    removed = false;
+    for (int path = count - 1; path > 0; --path) {
+      context_.report(Stage::kRemove, 0.4 * (count - path) / count);
+      const PathKind kind = network_.network().kinds[path];
+      if (is_held(kind)) continue;
+      removed |= try_remove(network_.edges_of_path(path));
+    }
+  }
+}
+
+// Frees the edges, and the loose ends that this leaves; empty when a loose end may not go.
+std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges, int tip) const {
+  const PathNetwork& net = network_.network();
+  std::unordered_set<int> gone(edges.begin(), edges.end());
+  auto remaining = [&](int v) {
+    std::pair<int, int> degree_and_edge{0, -1};
+    for (const int* e = surface_.mesh.ring_begin_of(v); e != surface_.mesh.ring_end_of(v); ++e)
+      if (net.used(*e) && !gone.count(*e)) ++degree_and_edge.first, degree_and_edge.second = *e;
+    return degree_and_edge;
+  };
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (int v : {surface_.mesh.edges[edges[i]].v0, surface_.mesh.edges[edges[i]].v1}) {
+      const auto [degree, e] = remaining(v);
+      if (degree != 1 || v == tip) continue;
+      const PathKind kind = net.kinds[net.edge_path[e]];
+      if (is_held(kind)) return {};
+      edges.push_back(e);
+      gone.insert(e);
+    }
+  return edges;
+}
+
+// Whether the two patches beside these edges become one with too many corners: tells without a chart, from
+// the angles that they have where they stay, and from the sum of both angles where the edges end.
+bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges) {
+  if (beside.size() > 2) return false;  // what becomes of them may be more than one patch
+  std::unordered_map<int, std::vector<NodeTurn>> at_ends;
+  for (int e : edges) at_ends[surface_.mesh.edges[e].v0], at_ends[surface_.mesh.edges[e].v1];
+  int corners = 0;
+  for (int p : beside)
+    for (const NodeTurn& turn : evaluator_->patch(layout_, p)->turns) {
+      const auto end = at_ends.find(turn.vertex);
+      if (end == at_ends.end()) {
+        corners += std::abs(turn.angle) > turn.limit + kFirm;
+      } else {
+        end->second.push_back(turn);
+      }
+    }
+  for (const auto& [vertex, turns] : at_ends)
+    if (turns.size() == 2 && network_degree(surface_.mesh, network_.network(), vertex) > 2)
+      corners += std::abs(turns[0].angle + turns[1].angle - 180) > params_.evaluation.corner_turn + kFirm;
+  return corners > params_.evaluation.max_sides;
+}
+
+// Whether the patches beside these edges bend both ways by too much to become one that any strips follow
+// within the tolerance: told by the root of the mean Gaussian curvature over the squared width, which is what
+// a sagitta is. O(faces).
+bool LayoutSearch::too_round(const std::vector<int>& beside, double inner_length) const {
+  double area = 0, outline = -2 * inner_length, gauss = 0;
+  for (int p : beside) {
+    const Patch& patch = layout_.patches[p];
+    area += patch.area;
+    for (const ArchUse& use : patch.boundary) outline += layout_.arches[use.arch].length;
+    for (int f : patch.faces) gauss += (*face_gauss_)[f];
+  }
+  const double width = 2 * area / std::max(outline, 1e-9);
+  return std::sqrt(gauss / area) * width * width > kTooRound * params_.evaluation.e_max;
+}
+
+// What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used
+// up or many sides result. Negative when it is not viable. Thread-safe.
+double LayoutSearch::merge_value(const Removal& removal) {
+  const std::vector<int>& edges = removal.edges;
+  if (edges.empty()) return -1;
+  PathNetwork trial = network_.network();
+  double length = 0;
+  for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
+  const std::vector<int> beside = patches_beside(edges);
+  if (removal.tip < 0 && too_round(beside, length)) return -1;
+  if (too_many_corners(beside, edges)) return -1;
+  const auto fit = viable_region(trial, faces_of(beside));
+  if (!fit) return -1;
+  const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.6 : 0.35;
+  const double parts = static_cast<double>(beside.size()) - fit->patches;
+  const double flow = std::max(1 - kFlow * fit->misalignment, 0.05);  // rulings that follow the shape
+  const double value = (length + 0.15 * parts) * (1.05 - fit->error * fit->error) * side_factor * flow;
+  return value + kInsideValue * length_inside(edges);
+}
+
+bool LayoutSearch::may_go(const Arch& arch) const {
+  return arch.left >= 0 && arch.right >= 0 && arch.path != kept_path_ &&
+         !is_held(network_.network().kinds[arch.path]);
+}
+
+std::uint64_t LayoutSearch::merge_key(const PatchLayout& now, const Arch& arch) const {
+  const std::uint64_t left = now.patches[arch.left].key, right = now.patches[arch.right].key;
+  return combine(arch.key, combine(std::min(left, right), std::max(left, right)));
+}
+
+// Every arch that may go.
+std::vector<LayoutSearch::Removal> LayoutSearch::whole_arches(const PatchLayout& now) const {
+  std::vector<Removal> all;
+  for (const Arch& arch : now.arches)
+    if (may_go(arch)) all.push_back({with_loose_ends(arch.edges), -1, merge_key(now, arch)});
+  return all;
+}
+
+// The halves of arches, of which the other one then is a dart.
+std::vector<LayoutSearch::Removal> LayoutSearch::half_arches(const PatchLayout& now) const {
+  std::vector<Removal> all;
+  if (!rules_.darts) return all;
+  const auto is_tip = [&](int v) { return network_degree(surface_.mesh, network_.network(), v) == 1; };
+  for (const Arch& arch : now.arches) {
+    const auto n = static_cast<std::ptrdiff_t>(arch.edges.size());
+    if (!may_go(arch) || arch.closed() || n < kLeastHalved) continue;
+    const std::uint64_t key = merge_key(now, arch);
+    if (!is_tip(arch.vertices.back())) {
+      const int tip = arch.vertices[n / 2];
+      all.push_back(
+          {with_loose_ends({arch.edges.begin(), arch.edges.begin() + n / 2}, tip), tip, combine(key, 1)});
+    }
+    if (!is_tip(arch.vertices.front())) {
+      const int tip = arch.vertices[n - n / 2];
+      all.push_back(
+          {with_loose_ends({arch.edges.end() - n / 2, arch.edges.end()}, tip), tip, combine(key, 2)});
+    }
+  }
+  return all;
+}
+
+// The most rewarding of these that is viable; false when none is.
+bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
+  std::vector<int> fresh;
+  for (int r = 0; r < static_cast<int>(all.size()); ++r)
+    if (!merge_values_.count(all[r].key)) fresh.push_back(r);
+  std::vector<double> values(all.size(), -1);
+  parallel_for(context_, static_cast<int>(fresh.size()),
+               [&](int i) { values[fresh[i]] = merge_value(all[fresh[i]]); });
+  std::vector<std::tuple<double, std::uint64_t, int>> order;
+  for (int r = 0; r < static_cast<int>(all.size()); ++r) {
+    const auto it = merge_values_.emplace(all[r].key, values[r]).first;
+    if (it->second > 0) order.emplace_back(-it->second, all[r].key, r);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [value, key, r] : order) {
+    context_.report(Stage::kRemove, 0.7);
+    if (try_remove(all[r].edges, all[r].tip)) return true;
+    merge_values_[key] = -1;
+  }
+  return false;
+}
+
+void LayoutSearch::remove_arches() {
+  know_lost();
+  while (remove_best(whole_arches(layout()))) {
+  }
+}
+
+void LayoutSearch::leave_darts() {
+  know_lost();
+  while (remove_best(whole_arches(layout())) || remove_best(half_arches(layout()))) {
+  }
+}
+
+}  // namespace sheetform
