@@ -64,7 +64,7 @@ bool LayoutSearch::try_improve(const Proposal& proposal) {
   kept_path_ = network_.insert_edges(run, PathKind::kCut);
   changed();
   if (!viable_region(network_.network(), faces) || !region_fits(faces)) return false;
-  remove_arches();
+  leave_darts();
   const std::size_t parts = layout().patches.size();
   return parts < parts_before || (parts == parts_before && objective() < before + kPlateau);
 }
