@@ -9,8 +9,8 @@ namespace sheetform {
 
 struct AssemblyStep {
   int part = 0;
-  std::vector<int>
-      seams;          ///< indices into Blueprint::seams joined now; seams of the part with itself come first
+  std::vector<int> seams;  ///< indices into Blueprint::seams joined now; those of the part with itself come
+                           ///< first, from where its two sides hang together (the tip of a slit) outwards
   double joined = 0;  ///< mm of seam
 };
 

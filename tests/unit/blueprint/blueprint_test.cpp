@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -584,6 +586,40 @@ TEST(Assembly, LastPartHasTheShortestSeams) {
     for (int p : seam.parts) glue[p] += seam.length;
   const int last = assembly_order(b).back().part;
   for (const auto& [part, length] : glue) EXPECT_GE(length, glue[last] - 1e-9);
+}
+
+// A slit with its tip in the sheet, then two more seams beyond it, as from the middle of a spiral outwards;
+// numbers[i] is where seam i stands. turned: the arches run the other way.
+Blueprint spiral(const std::array<int, 3>& numbers, bool turned) {
+  Blueprint b;
+  b.parts.resize(1);
+  b.seams.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    Seam& seam = b.seams[numbers[i]];
+    const int left = 2 * i, right = i == 0 ? 0 : 10 + left;
+    seam.vt = {std::vector<int>{left, left + 1, left + 2}, std::vector<int>{right, 11 + left, 12 + left}};
+    if (turned)
+      for (std::vector<int>& side : seam.vt) std::reverse(side.begin(), side.end());
+    seam.number = numbers[i] + 1, seam.length = 10;
+  }
+  return b;
+}
+
+TEST(Assembly, APartIsGluedToItselfFromWhereItsSidesHangTogether) {
+  std::array<int, 3> numbers{0, 1, 2};
+  do {
+    for (const bool turned : {false, true}) {
+      const auto steps = assembly_order(spiral(numbers, turned));
+      ASSERT_EQ(steps.size(), 1u);
+      EXPECT_THAT(steps[0].seams, ElementsAre(numbers[0], numbers[1], numbers[2])) << turned;
+    }
+  } while (std::next_permutation(numbers.begin(), numbers.end()));
+}
+
+TEST(Assembly, SeamsOfAPartWithItselfComeByNumberWhereNoneIsBegun) {
+  Blueprint b = spiral({0, 1, 2}, false);
+  b.seams[0].vt[1][0] = 30;  // a sleeve: its sides hang together nowhere
+  EXPECT_THAT(assembly_order(b)[0].seams, ElementsAre(0, 1, 2));
 }
 
 TEST(Totals, AddUp) {
