@@ -210,9 +210,16 @@ TEST(Darts, WhatIsHeldKeepsTheArchAtWhichItHangs) {
 
 // ---- the verdict on one patch
 
-PatchVerdict verdict_of(const Drawing& d, const LayoutRules& rules, double e_max = 0.02) {
+// With room for the three corners of a dart besides those of the sheet.
+EvaluationParams many_sides(double e_max) {
+  EvaluationParams params = evaluation_params(e_max);
+  params.max_sides = 20;
+  return params;
+}
+
+PatchVerdict verdict_of(const Drawing& d, const LayoutRules& rules) {
   SearchBed bed(d.mesh);
-  LayoutEvaluator evaluator(bed.surface, evaluation_params(e_max), bed.context);
+  LayoutEvaluator evaluator(bed.surface, many_sides(0.02), bed.context);
   const PatchLayout layout = d.layout(rules);
   return evaluator.patch(layout, 0)->verdict;
 }
@@ -227,6 +234,38 @@ TEST(Darts, MakeASheetOfACone) {
 TEST(Darts, HaveToOpenInThePlane) {
   EXPECT_NE(verdict_of(drawn("A|A/AA"), {}), PatchVerdict::kViable)
       << "its two sides would lie on each other";
+}
+
+// ---- beside the plane of symmetry
+
+// Half of a shape whose left edge is one straight segment on the plane x = 0, across which its patch goes on.
+PatchVerdict verdict_beside_plane(const std::string& text, bool straight) {
+  Canvas canvas;
+  canvas.steps = 8;
+  canvas.place = [](double x, double y) {
+    return Vector3(0.3 * x, 0.3 * y, 0.25 * (1.5 - std::hypot(x - 1, y - 1)));
+  };
+  SearchBed bed(drawn(text, canvas).mesh);
+  const SurfaceMesh& mesh = bed.surface.mesh;
+  const auto on_plane = [&](int v) { return mesh.points[v].x() == 0; };
+  bed.surface.plane.edge.assign(mesh.edges.size(), 0);
+  for (int v = 0; v < mesh.vertex_count(); ++v) bed.surface.plane.vertex.push_back(on_plane(v));
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    bed.surface.plane.edge[e] = on_plane(mesh.edges[e].v0) && on_plane(mesh.edges[e].v1);
+  if (straight) bed.surface.straight = bed.surface.plane.edge;
+  LayoutEvaluator evaluator(bed.surface, many_sides(0.2), bed.context);
+  const PatchLayout layout = drawn(text, canvas).layout();
+  EXPECT_EQ(layout.patches.at(0).defect, TopologyDefect::kNone);
+  return evaluator.patch(layout, 0)->verdict;
+}
+
+TEST(Darts, OfAPatchThatGoesOnInItsImageAreRefused) {
+  // One that hangs on the plane would be a slit inside of the joined patch.
+  EXPECT_EQ(verdict_beside_plane("AA/AA", true), PatchVerdict::kViable) << "without a dart";
+  for (const char* text : {"AA/- /AA", "A|A/AA"}) {
+    EXPECT_EQ(verdict_beside_plane(text, false), PatchVerdict::kViable) << text;
+    EXPECT_EQ(verdict_beside_plane(text, true), PatchVerdict::kTooManySides) << text;
+  }
 }
 
 }  // namespace
