@@ -35,6 +35,7 @@ std::vector<StripMesh> models() {
   return {shapes::cube_faces(),
           shapes::tube(24),
           shapes::cone(24),
+          shapes::cone(24, 1, 0.25),  // a narrow slit: it opens by 11 degrees
           shapes::two_leaves(60, 0.4, 12),
           shapes::torus_pieces(12, 4, 15),
           shapes::torus_bands(12, 60)};
