@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <set>
@@ -553,6 +554,26 @@ TEST(Kerf, GrowsTheCutByHalfOfIt) {
       if (line.operation == Operation::kCutOuter) {
         EXPECT_NEAR(signed_area(line.points), 100.4 * 100.4, 1e-3);
       }
+}
+
+TEST(Kerf, WhatItLeavesOfANarrowSlitIsTold) {
+  // The slit opens by `angle`: the middle of the cut ends kerf / 2 / sin(angle / 2) before the tip, its edge
+  // kerf / 2 nearer.
+  const double angle = 2 * shapes::kPi * (1 - 1 / std::sqrt(1 + 0.25 * 0.25));
+  BlueprintOptions o;
+  o.kerf = 0.3;
+  const double left = o.kerf / 2 / std::sin(angle / 2) - o.kerf / 2;
+  const Blueprint b = blueprint_of(shapes::cone(240, 1, 0.25), o);
+  ASSERT_EQ(b.warnings.size(), 1u);
+  char text[32];
+  std::snprintf(text, sizeof text, "1 (%.1f mm)", left);
+  EXPECT_THAT(b.warnings[0], ::testing::HasSubstr(text));
+  o.kerf = 0.1;
+  EXPECT_TRUE(blueprint_of(shapes::cone(240, 1, 0.25), o).warnings.empty()) << "half a millimetre";
+  o.kerf = 0;
+  EXPECT_TRUE(blueprint_of(shapes::cone(240, 1, 0.25), o).warnings.empty());
+  o.kerf = 1;
+  EXPECT_TRUE(blueprint_of(shapes::cone(24), o).warnings.empty()) << "a wide one";
 }
 
 // --- assembly
