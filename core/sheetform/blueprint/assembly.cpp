@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
+#include <utility>
 
 #include "sheetform/blueprint/seams.h"
 #include "sheetform/blueprint/sheet_svg.h"
@@ -60,10 +63,51 @@ int last_part(const Blueprint& b, const std::vector<std::vector<int>>& at, const
   return -1;
 }
 
+// Points of the flat parts that are one, since seams between them are glued.
+class GluedPoints {
+ public:
+  int of(int t) const {
+    for (auto it = to_.find(t); it != to_.end(); it = to_.find(t)) t = it->second;
+    return t;
+  }
+  bool begun(const Seam& seam) const {
+    return of(seam.vt[0].front()) == of(seam.vt[1].front()) || of(seam.vt[0].back()) == of(seam.vt[1].back());
+  }
+  void glue(const Seam& seam) {
+    for (std::size_t i = 0; i < seam.vt[0].size(); ++i)
+      if (const int a = of(seam.vt[0][i]), c = of(seam.vt[1][i]); a != c) to_[a] = c;
+  }
+
+ private:
+  std::unordered_map<int, int> to_;
+};
+
+// Seams of a part with itself, those first whose sides hang together at an end already: from the tip of a
+// slit outwards, like a zip. By number where none does.
+std::vector<int> zipped(const Blueprint& b, std::vector<int> seams) {
+  GluedPoints points;
+  std::vector<int> out;
+  while (!seams.empty()) {
+    auto next = std::find_if(seams.begin(), seams.end(), [&](int s) { return points.begun(b.seams[s]); });
+    if (next == seams.end()) next = seams.begin();
+    points.glue(b.seams[*next]);
+    out.push_back(*next);
+    seams.erase(next);
+  }
+  return out;
+}
+
 // Joins one group of parts, the strongest connection first.
 void order_group(const Blueprint& b, const std::vector<std::vector<int>>& at, const std::vector<int>& group,
                  std::vector<AssemblyStep>& out) {
   const int last = last_part(b, at, group);
+  std::unordered_map<int, std::vector<int>> with_itself;
+  for (int p : group) {
+    std::vector<int> own;
+    std::copy_if(at[p].begin(), at[p].end(), std::back_inserter(own),
+                 [&](int s) { return other(b.seams[s], p) == p; });
+    with_itself[p] = zipped(b, std::move(own));
+  }
   std::vector<char> built(b.parts.size(), 0);
   for (std::size_t step = 0; step < group.size(); ++step) {
     AssemblyStep best;
@@ -72,13 +116,10 @@ void order_group(const Blueprint& b, const std::vector<std::vector<int>>& at, co
       if (built[p] || (p == last && step + 1 < group.size())) continue;
       AssemblyStep candidate{p, {}, 0};
       double with_others = 0;
-      for (int s : at[p]) {
-        const int q = other(b.seams[s], p);
-        if (q == p)
-          candidate.seams.insert(candidate.seams.begin(), s);
-        else if (built[q])
+      for (int s : at[p])
+        if (const int q = other(b.seams[s], p); q != p && built[q])
           candidate.seams.push_back(s), with_others += b.seams[s].length;
-      }
+      candidate.seams.insert(candidate.seams.begin(), with_itself[p].begin(), with_itself[p].end());
       candidate.joined = glue_of(b, candidate.seams);
       const double key = step == 0 ? b.parts[p].area : with_others;
       if (key > best_key) best = std::move(candidate), best_key = key;

@@ -9,9 +9,9 @@ namespace sheetform {
 
 struct AssemblyStep {
   int part = 0;
-  std::vector<int>
-      seams;          ///< indices into Blueprint::seams joined now; seams of the part with itself come first
-  double joined = 0;  ///< mm of seam
+  std::vector<int> seams;  ///< indices into Blueprint::seams joined now; those of the part with itself come
+                           ///< first, from where its two sides hang together (the tip of a slit) outwards
+  double joined = 0;       ///< mm of seam
 };
 
 /// Each part after the first of its component joins what is already built, the one with most seam length in

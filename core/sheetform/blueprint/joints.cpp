@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sheetform/blueprint/fold_lines.h"
 #include "sheetform/blueprint/seams.h"
@@ -18,6 +19,7 @@ constexpr double kKept = 1.0 / 3;    // of a tooth that must remain
 constexpr double kNoContact = 2e-3;  // mm that edges of a contour which are no neighbours keep apart
 constexpr double kTolerable =
     0.25;                          // mm that thick edges may press into each other: glue and fibres give way
+constexpr double kUncut = 1.0;     // mm of a slit that may stay closed at its tip
 constexpr double kShortest = 2.0;  // mm of seam that a tooth needs
 
 Vector2 left_of(const Vector2& d) { return {-d.y(), d.x()}; }
@@ -235,6 +237,18 @@ void add_vees(Blueprint& b, const Seam& seam, std::vector<PartJoints>& parts) {
   }
 }
 
+// How far the cuts of the part stay from a point of its outline.
+double uncut_at(const Blueprint& b, const BlueprintPart& part, const Vector2& tip) {
+  double near = 1e300;
+  for (const BlueprintLine& line : part.lines) {
+    if (line.operation != Operation::kCutOuter && line.operation != Operation::kCutInner) continue;
+    for (std::size_t i = 0; i < line.points.size(); ++i)
+      near = std::min(near,
+                      point_segment_distance(tip, line.points[i], line.points[(i + 1) % line.points.size()]));
+  }
+  return near - b.options.kerf / 2;
+}
+
 }  // namespace
 
 double bend_of(const Blueprint& b, const Seam& seam) {
@@ -284,6 +298,23 @@ void note_thick_seams(Blueprint& b) {
     b.warnings.push_back("At " + rounded(b.options.thickness, 2) +
                          " mm of thickness the edges of these seams press on each other; bevel each by half "
                          "the angle: " +
+                         list);
+}
+
+void note_slits_left(Blueprint& b) {
+  std::string list;
+  for (const Seam& seam : b.seams)
+    for (const auto& [one, other] : {std::pair(seam.vt[0].front(), seam.vt[1].front()),
+                                     std::pair(seam.vt[0].back(), seam.vt[1].back())}) {
+      if (one != other) continue;
+      const double uncut = uncut_at(b, b.parts[seam.parts[0]], b.flat[one]);
+      if (uncut > kUncut)
+        list += (list.empty() ? "" : ", ") + std::to_string(seam.number) + " (" + rounded(uncut, 1) + " mm)";
+    }
+  if (!list.empty())
+    b.warnings.push_back("A cut " + rounded(b.options.kerf, 2) +
+                         " mm wide does not reach the tips of the slits of these seams; cut the rest with a "
+                         "knife: " +
                          list);
 }
 

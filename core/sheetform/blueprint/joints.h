@@ -19,4 +19,9 @@ double bend_of(const Blueprint& blueprint, const Seam& seam);
 /// press into each other by t / 2 * tan(f / 2) each when the middle of the material is the surface.
 void note_thick_seams(Blueprint& blueprint);
 
+/// Says in `warnings` which slits (seams of a part with itself that end inside of it) are narrower than the
+/// cut towards their tips by more than a millimetre of their length, and how much of them is left to cut by
+/// hand. After the cuts.
+void note_slits_left(Blueprint& blueprint);
+
 }  // namespace sheetform

@@ -291,6 +291,7 @@ Blueprint make_blueprint(const StripMesh& strips, double scale, const std::vecto
   add_marks(b);
   add_hinges(b);
   add_cuts(b);
+  if (options.kerf > 0) note_slits_left(b);
   return b;
 }
 

@@ -45,6 +45,44 @@ describe("numbers of seams", () => {
   });
 });
 
+/** A cone of paper: its seam with itself ends at the apex, a vertex with one place in the sheet. */
+function cone(sides) {
+  const obj = [`v 0 0 2`, `vt 0 0`];
+  for (let k = 0; k <= sides; k++) {
+    const a = (2 * Math.PI * k) / sides;
+    if (k < sides) obj.push(`v ${Math.cos(a)} ${Math.sin(a)} 0`);
+    obj.push(`vt ${Math.cos(a / 3)} ${Math.sin(a / 3)}`);
+  }
+  obj.push("g patch_0");
+  for (let k = 0; k < sides; k++) obj.push(`f 1/1 ${k + 2}/${k + 2} ${((k + 1) % sides) + 2}/${k + 3}`);
+  const rim = Array.from({ length: sides + 1 }, (_, k) => (k % sides) + 1);
+  const layout = {
+    patches: [{ id: 0, rulings: [] }],
+    arches: [
+      { id: 0, vertices: rim, patches: [0, null] },
+      { id: 1, vertices: [1, 0], patches: [0, 0] },
+    ],
+  };
+  return parseResult(obj.join("\n"), layout);
+}
+
+describe("a seam that ends inside its part", () => {
+  const paper = cone(9);
+  it("has a number on either side, none at its tip", () => {
+    for (const [points, size] of [[paper.flat, 2], [paper.position, 3]]) {
+      const tip = Array.from(points.slice(0, size));
+      const numbers = seamPlaces(paper.parts[0], points, size).filter(({ seam }) => seam === 1);
+      assert.equal(numbers.length, 2);
+      for (const { at } of numbers) assert.ok(Math.hypot(...at.map((x, k) => x - tip[k])) > 0.4);
+    }
+  });
+  it("is one seam of the part with itself", () => {
+    assert.deepEqual([...paper.parts[0].seams].sort(), [0, 1]);
+    assert.deepEqual(paper.parts[0].tips, [paper.parts[0].begin]);
+    assert.ok(paper.seams[1].self);
+  });
+});
+
 describe("parsing", () => {
   const it16 = model({ scale: 2 });
   it("finds parts, outlines, rulings and seams", () => {

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <set>
@@ -33,6 +36,7 @@ std::vector<StripMesh> models() {
   return {shapes::cube_faces(),
           shapes::tube(24),
           shapes::cone(24),
+          shapes::cone(24, 1, 0.25),  // a narrow slit: it opens by 11 degrees
           shapes::two_leaves(60, 0.4, 12),
           shapes::torus_pieces(12, 4, 15),
           shapes::torus_bands(12, 60)};
@@ -552,6 +556,26 @@ TEST(Kerf, GrowsTheCutByHalfOfIt) {
       }
 }
 
+TEST(Kerf, WhatItLeavesOfANarrowSlitIsTold) {
+  // The slit opens by `angle`: the middle of the cut ends kerf / 2 / sin(angle / 2) before the tip, its edge
+  // kerf / 2 nearer.
+  const double angle = 2 * shapes::kPi * (1 - 1 / std::sqrt(1 + 0.25 * 0.25));
+  BlueprintOptions o;
+  o.kerf = 0.3;
+  const double left = o.kerf / 2 / std::sin(angle / 2) - o.kerf / 2;
+  const Blueprint b = blueprint_of(shapes::cone(240, 1, 0.25), o);
+  ASSERT_EQ(b.warnings.size(), 1u);
+  char text[32];
+  std::snprintf(text, sizeof text, "1 (%.1f mm)", left);
+  EXPECT_THAT(b.warnings[0], ::testing::HasSubstr(text));
+  o.kerf = 0.1;
+  EXPECT_TRUE(blueprint_of(shapes::cone(240, 1, 0.25), o).warnings.empty()) << "half a millimetre";
+  o.kerf = 0;
+  EXPECT_TRUE(blueprint_of(shapes::cone(240, 1, 0.25), o).warnings.empty());
+  o.kerf = 1;
+  EXPECT_TRUE(blueprint_of(shapes::cone(24), o).warnings.empty()) << "a wide one";
+}
+
 // --- assembly
 // ------------------------------------------------------------------------------------------------------
 
@@ -584,6 +608,40 @@ TEST(Assembly, LastPartHasTheShortestSeams) {
     for (int p : seam.parts) glue[p] += seam.length;
   const int last = assembly_order(b).back().part;
   for (const auto& [part, length] : glue) EXPECT_GE(length, glue[last] - 1e-9);
+}
+
+// A slit with its tip in the sheet, then two more seams beyond it, as from the middle of a spiral outwards;
+// numbers[i] is where seam i stands. turned: the arches run the other way.
+Blueprint spiral(const std::array<int, 3>& numbers, bool turned) {
+  Blueprint b;
+  b.parts.resize(1);
+  b.seams.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    Seam& seam = b.seams[numbers[i]];
+    const int left = 2 * i, right = i == 0 ? 0 : 10 + left;
+    seam.vt = {std::vector<int>{left, left + 1, left + 2}, std::vector<int>{right, 11 + left, 12 + left}};
+    if (turned)
+      for (std::vector<int>& side : seam.vt) std::reverse(side.begin(), side.end());
+    seam.number = numbers[i] + 1, seam.length = 10;
+  }
+  return b;
+}
+
+TEST(Assembly, APartIsGluedToItselfFromWhereItsSidesHangTogether) {
+  std::array<int, 3> numbers{0, 1, 2};
+  do {
+    for (const bool turned : {false, true}) {
+      const auto steps = assembly_order(spiral(numbers, turned));
+      ASSERT_EQ(steps.size(), 1u);
+      EXPECT_THAT(steps[0].seams, ElementsAre(numbers[0], numbers[1], numbers[2])) << turned;
+    }
+  } while (std::next_permutation(numbers.begin(), numbers.end()));
+}
+
+TEST(Assembly, SeamsOfAPartWithItselfComeByNumberWhereNoneIsBegun) {
+  Blueprint b = spiral({0, 1, 2}, false);
+  b.seams[0].vt[1][0] = 30;  // a sleeve: its sides hang together nowhere
+  EXPECT_THAT(assembly_order(b)[0].seams, ElementsAre(0, 1, 2));
 }
 
 TEST(Totals, AddUp) {

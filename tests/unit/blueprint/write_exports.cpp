@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   write_model(folder / "cube", shapes::cube_faces());
   write_model(folder / "leaves", shapes::two_leaves(60, 0.4, 12));
+  write_model(folder / "cone", shapes::cone(24, 1, 0.25));  // its seam ends inside the part
   write_model(folder / "torus", shapes::torus_pieces(12, 4, 15));
   return 0;
 }

@@ -185,12 +185,79 @@ TEST(ExtractLayout, PatchThatMeetsItselfAtOneVertexTouchesItself) {
   EXPECT_EQ(a.defect, TopologyDefect::kTouchesItself);
 }
 
-TEST(ExtractLayout, SlitThatEndsInsideIsDangling) {
+// The walls of these drawings are lines of the user or of the input, which no step may shorten.
+Drawing held(Drawing d, PathKind kind) {
+  for (PathKind& k : d.network.kinds)
+    if (k == PathKind::kTraced) k = kind;
+  return d;
+}
+
+TEST(ExtractLayout, SlitThatEndsInsideIsADart) {
   const Drawing d = drawn("AA|AA/AAAA");
   const PatchLayout layout = d.layout();
+  expect_consistent(d, layout);
   ASSERT_EQ(layout.patches.size(), 1u);
-  EXPECT_EQ(layout.patches[0].loops, 1);
-  EXPECT_EQ(layout.patches[0].defect, TopologyDefect::kDangling);
+  const Patch& patch = layout.patches[0];
+  EXPECT_EQ(patch.loops, 1);
+  EXPECT_EQ(patch.defect, TopologyDefect::kNone);
+  const int tip = d.vertex_at(2, 1), base = d.vertex_at(2, 0);
+  std::map<int, std::set<bool>> ways;
+  int at_tip = 0, at_base = 0;
+  for (const ArchUse& use : patch.boundary) {
+    const Arch& arch = layout.arches[use.arch];
+    if (arch.left == arch.right) ways[use.arch].insert(use.forward);
+    at_tip += first_vertex(layout, use) == tip;
+    at_base += first_vertex(layout, use) == base;
+  }
+  ASSERT_EQ(ways.size(), 1u) << "one arch";
+  EXPECT_EQ(ways.begin()->second.size(), 2u) << "walked to and fro";
+  EXPECT_NEAR(layout.arches[ways.begin()->first].length, 1, 1e-12);
+  EXPECT_EQ(at_tip, 1);
+  EXPECT_EQ(at_base, 2);
+}
+
+TEST(ExtractLayout, DartOfAPathThatGoesOnIsOneToo) {
+  // A path across from border to border of which a half has gone; it was cut off at a node.
+  Drawing d = drawn("AABB/AABB/AABB");
+  for (int e : d.line(2, 1, 2, 3)) d.network.edge_path[e] = PathNetwork::kFree;
+  const PatchLayout layout = d.layout();
+  expect_consistent(d, layout);
+  ASSERT_EQ(layout.patches.size(), 1u);
+  EXPECT_EQ(layout.patches[0].defect, TopologyDefect::kNone);
+  EXPECT_EQ(d.layout({true, false}).patches[0].defect, TopologyDefect::kDangling);
+}
+
+TEST(ExtractLayout, SeveralDartsMayHangAtOnePatch) {
+  const Drawing d = drawn("A|A|AA/AAAA/AA|AA");
+  const PatchLayout layout = d.layout();
+  expect_consistent(d, layout);
+  ASSERT_EQ(layout.patches.size(), 1u);
+  EXPECT_EQ(layout.patches[0].defect, TopologyDefect::kNone);
+  EXPECT_EQ(std::count_if(layout.arches.begin(), layout.arches.end(),
+                          [](const Arch& a) { return a.left == a.right; }),
+            3);
+}
+
+TEST(ExtractLayout, WithoutDartsASlitThatEndsInsideIsDangling) {
+  const Drawing d = drawn("AA|AA/AAAA");
+  EXPECT_EQ(d.layout({true, false}).patches[0].defect, TopologyDefect::kDangling);
+  EXPECT_NE(d.layout({false, true}).patches[0].defect, TopologyDefect::kNone) << "it is a seam with itself";
+}
+
+TEST(ExtractLayout, CreasesAndDrawnSeamsThatEndInsideAreDangling) {
+  for (PathKind kind : {PathKind::kCrease, PathKind::kDrawn}) {
+    const Drawing d = held(drawn("AA|AA/AAAA"), kind);
+    for (bool darts : {true, false})
+      EXPECT_EQ(d.layout({true, darts}).patches[0].defect, TopologyDefect::kDangling) << int(kind) << darts;
+  }
+}
+
+TEST(ExtractLayout, SlitThatHangsNowhereIsNoDart) {
+  const Drawing d = drawn("AAAA/AA|AA/AAAA");
+  const PatchLayout layout = d.layout();
+  ASSERT_EQ(layout.patches.size(), 1u);
+  EXPECT_EQ(layout.patches[0].loops, 2);
+  EXPECT_EQ(layout.patches[0].defect, TopologyDefect::kNotADisk);
 }
 
 TEST(ExtractLayout, TubeGluedToItselfIsADisk) {

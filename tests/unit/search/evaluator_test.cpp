@@ -35,7 +35,8 @@ TEST(Verdict, RingIsNoDisk) {
 
 TEST(Verdict, PatchThatMeetsItselfTouches) {
   EXPECT_EQ(verdict_of(drawn("AAA/ABA/AAB"), 'A', evaluation_params(0.02)), PatchVerdict::kTouches);
-  EXPECT_EQ(verdict_of(drawn("AA|AA/AAAA"), 'A', evaluation_params(0.02)), PatchVerdict::kTouches);
+  EXPECT_EQ(verdict_of(drawn("AA|AA/AAAA"), 'A', evaluation_params(0.02), {true, false}),
+            PatchVerdict::kTouches);
   EXPECT_EQ(verdict_of(drawn("AAAA|", rolled(4)), 'A', evaluation_params(0.02), {false}),
             PatchVerdict::kTouches);
 }

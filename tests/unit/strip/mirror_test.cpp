@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sheetform/strip/certificate.h"
 #include "support/shapes.h"
 #include "support/strip_shapes.h"
@@ -128,6 +130,47 @@ TEST(JoinImages, NothingIsJoinedAgainstTheRules) {
   EXPECT_EQ(join_images(whole, {5, true}).patches.size(), 2u) << "six with every node a corner";
   EXPECT_EQ(join_images(whole, {6, true}).patches.size(), 1u);
   EXPECT_EQ(join_images(with_mirror_image(half_sheet(5)), {6}).patches.size(), 2u) << "a bent seam stays";
+}
+
+// A cone of `n` sides whose rim has one edge on the plane, or two on both sides of the point where its seam
+// with itself begins.
+StripMesh cone_at_plane(int n, bool at_seam) {
+  StripMesh cone = shapes::cone(n);
+  std::vector<Vector3> points = cone.points;
+  const std::vector<int> on_plane =
+      at_seam ? std::vector<int>{n, 1, 2} : std::vector<int>{n / 2 + 1, n / 2 + 2};
+  const double turned = at_seam ? -1 : 1, low = turned * points[on_plane.back()].x();
+  for (Vector3& p : points) p = Vector3(turned * p.x() - low, turned * p.y(), p.z());
+  for (int v : on_plane) points[v].x() = 0;
+  std::vector<std::array<int, 3>> chain;
+  std::vector<std::array<int, 2>> rulings;
+  for (int i = 0; i < n; ++i) {
+    chain.push_back({0, 1 + i, 1 + (i + 1) % n});
+    if (i > 0) rulings.push_back({0, 1 + i});
+  }
+  std::vector<int> corners = on_plane;
+  corners.insert(corners.end(), {0, 1});
+  shapes::StripBuilder builder(points);
+  builder.add(chain, corners, rulings);
+  StripMesh half = builder.finish();
+  for (StripMesh::Arch& a : half.arches) {
+    a.on_plane = true;
+    for (int v : a.vertices) a.on_plane &= half.points[v].x() == 0;
+  }
+  return half;
+}
+
+TEST(JoinImages, APartWithADartStaysOneOfTwo) {
+  for (const bool at_seam : {false, true}) {
+    const StripMesh half = cone_at_plane(23, at_seam);
+    EXPECT_EQ(std::count_if(half.arches.begin(), half.arches.end(),
+                            [](const StripMesh::Arch& a) { return a.on_plane && a.vertices.size() == 2; }),
+              at_seam ? 2 : 1);
+    const StripMesh whole = with_mirror_image(half), joined = join_images(whole, {20});
+    EXPECT_EQ(joined.patches.size(), 2u);
+    EXPECT_EQ(joined.arches.size(), whole.arches.size());
+    EXPECT_TRUE(check_structure(joined, nullptr, 20, 4).empty());
+  }
 }
 
 TEST(Mirror, SurfacesOffThePlaneBecomeTwo) {

@@ -12,6 +12,7 @@ import { bend } from "./fold.js";
  * @property {Uint32Array} outline    the closed outline, counter-clockwise, first not repeated
  * @property {Uint32Array} rulings    pairs of vertices: the bend lines to draw, of rulingCount in all
  * @property {number[]} seams   ids of the arches around it, each once
+ * @property {number[]} tips    vertices of the outline at which a seam of the part with itself ends inside it
  * @property {number} area      mm²
  * @property {number[]} box     minU, minV, maxU, maxV in mm
  */
@@ -159,6 +160,7 @@ function makePart(patch, corners, { points, uvs, center, arrays, archOfEdge }) {
     return archOfEdge.get(edgeKey(arrays.source[v], arrays.source[w])) ?? -1;
   });
   part.seams = [...new Set(part.outlineSeams)].filter((id) => id >= 0);
+  part.tips = tipsOf(part.outline, arrays.source);
   part.rulingCount = (patch.rulings ?? []).length;
   part.rulings = thinned(rulingsOf(patch.rulings ?? [], edges, arrays.source), arrays.position);
   part.inner = [...edges.values()].filter((edge) => edge.length === 2);
@@ -190,6 +192,12 @@ function outlineOf(edges) {
     if (next.get(v) === start) break;
   }
   return Uint32Array.from(loop);
+}
+
+/** Where the outline turns back along the same edge of the shape: the seam of the part with itself ends inside it. */
+function tipsOf(outline, source) {
+  const n = outline.length;
+  return Array.from(outline).filter((_, k) => source[outline[(k + n - 1) % n]] === source[outline[(k + 1) % n]]);
 }
 
 /** Degrees of bend between two lines that are drawn: more lines would tell a person nothing. */

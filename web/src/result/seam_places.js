@@ -1,24 +1,26 @@
 // Where the numbers of a part's seams stand: in the middle of each run along its outline.
 
 /**
- * @param part with outline (vertices) and outlineSeams (the seam from each vertex to the next, below 0: none)
+ * @param part with outline (vertices), outlineSeams (the seam from each vertex to the next, below 0: none), and tips
+ *   (vertices at which a seam ends inside the part: its other side follows; may be left out)
  * @param points coordinates of all vertices, `size` for each
  * @returns [{seam, at, vertex}], one for every run of edges of the same seam (a seam of the part with itself has two);
  *   vertex = the outline's vertex before the place
  */
-export function seamPlaces({ outline, outlineSeams }, points, size) {
+export function seamPlaces({ outline, outlineSeams, tips = [] }, points, size) {
   const n = outline.length;
   const seams = Array.from(outlineSeams);
+  const begins = (k) => seams[k % n] !== seams[(k + n - 1) % n] || tips.includes(outline[k % n]);
   // Begins where a run does, so that none is cut in two.
   const first = Math.max(
     0,
-    seams.findIndex((seam, k) => seam !== seams[(k + n - 1) % n]),
+    seams.findIndex((_, k) => begins(k)),
   );
   const places = [];
   for (let k = 0; k < n; ) {
     const seam = seams[(first + k) % n];
-    let end = k;
-    while (end < n && seams[(first + end) % n] === seam) end++;
+    let end = k + 1;
+    while (end < n && !begins(first + end)) end++;
     const vertices = Array.from({ length: end - k + 1 }, (_, step) => outline[(first + k + step) % n]);
     const middle = middleOf(vertices.map((v) => pointOf(points, v, size)));
     if (seam >= 0) places.push({ seam, at: middle.at, vertex: vertices[middle.after] });
