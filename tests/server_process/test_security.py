@@ -89,12 +89,12 @@ class Tokens(unittest.TestCase):
         return s
 
     def read_until(self, stream, end):
-        text = ""
-        while end not in text:
-            piece = stream.recv(65536).decode()
-            self.assertTrue(piece, f"the stream ended without {end}: {text[-2000:]}")
-            text += piece
-        return text
+        told = b""
+        while end.encode() not in told:
+            piece = stream.recv(65536)
+            self.assertTrue(piece, f"the stream ended without {end}: {told[-2000:]}")
+            told += piece
+        return told.decode()
 
     def test_results_of_others_are_not_reused(self):
         mesh = unique_mesh()
@@ -138,6 +138,7 @@ class Addresses(unittest.TestCase):
             with Server(data=os.path.join(tempfile.mkdtemp(prefix="sheetform-test-"), "data")) as server:
                 server.own_data = True
                 server.wait(server.submit()["jobID"])
+                server.until_tidy()  # the folder of the job goes a moment after its end
                 found = [os.path.join(folder, name) for folder, folders, files in os.walk(server.data) for name in folders + files]
                 self.assertGreater(len(found), 8)
                 self.assertEqual([path for path in [server.data, *found] if os.stat(path).st_mode & 0o077], [])
