@@ -20,7 +20,7 @@ std::vector<Link> links_of(const StatusInfo& s, const std::string& root) {
                           {root + "/jobs", "up", "application/json", "All jobs"},
                           {self + "/events", "events", "text/event-stream", "Live progress"},
                           {self + "/input", "input", "application/octet-stream", "The uploaded mesh"}};
-  if (s.mesh.is_object() && s.mesh.contains("guides"))
+  if (s.mesh.find("\"guides\":") != std::string::npos)  // a member: inside of a text the quotes are escaped
     links.push_back({self + "/guides", "guides", "application/json", "What was drawn on the mesh"});
   if (s.state == JobState::kSuccessful) {
     links.push_back({self + "/results", kResultsRel, "application/json", "The files of the result"});
@@ -37,6 +37,10 @@ std::vector<Link> links_of(const StatusInfo& s, const std::string& root) {
 
 void put(Json& object, const char* name, const std::string& text) {
   if (!text.empty()) object[name] = text;
+}
+
+void append_member(std::string& object, const char* name, const std::string& text) {
+  if (!text.empty()) object.append(",\"").append(name).append("\":").append(text);
 }
 
 bool refuse(Problem& problem, ProblemType type, std::string detail, std::string where, std::string fix) {
@@ -151,7 +155,7 @@ MeshInfo mesh_info_from_json(const Json& value) {
   return m;
 }
 
-Json to_json(const StatusInfo& s, const std::string& root) {
+std::string status_text(const StatusInfo& s, const std::string& root) {
   Json object{{"jobID", s.id},
               {"id", s.id},
               {"processID", s.process},
@@ -161,8 +165,7 @@ Json to_json(const StatusInfo& s, const std::string& root) {
               {"progress", s.progress},
               {"created", rfc3339(s.created)},
               {"updated", rfc3339(s.updated)},
-              {"attempt", s.attempt},
-              {"links", to_json(links_of(s, root))}};
+              {"attempt", s.attempt}};
   put(object, "message", s.message);
   put(object, "stage", s.stage);
   put(object, "tag", s.tag);
@@ -170,11 +173,20 @@ Json to_json(const StatusInfo& s, const std::string& root) {
   if (s.started) object["started"] = rfc3339(*s.started);
   if (s.finished) object["finished"] = rfc3339(*s.finished);
   if (s.queue_position) object["queuePosition"] = *s.queue_position;
-  if (!s.mesh.is_null()) object["inputs"] = {{"mesh", s.mesh}};
-  if (!s.parameters.is_null()) object["parameters"] = s.parameters;
-  if (!s.report.is_null()) object["report"] = s.report;
-  if (s.problem) object["exception"] = to_json(*s.problem);
-  return object;
+  std::string text = dump(object);
+  text.pop_back();
+  append_member(text, "links", dump(to_json(links_of(s, root))));
+  if (!s.mesh.empty()) append_member(text, "inputs", "{\"mesh\":" + s.mesh + "}");
+  append_member(text, "parameters", s.parameters);
+  append_member(text, "report", s.report);
+  if (s.problem) append_member(text, "exception", dump(to_json(*s.problem)));
+  return text += '}';
+}
+
+std::string array_text(const std::vector<std::string>& items) {
+  std::string text = "[";
+  for (const std::string& item : items) text.append(text.size() > 1 ? "," : "").append(item);
+  return text += ']';
 }
 
 OrderedJson results_document(const std::vector<ResultFile>& files, const std::string& job_path) {

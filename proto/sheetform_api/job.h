@@ -46,12 +46,17 @@ struct StatusInfo {
   int attempt = 0;
   std::optional<std::int64_t> queue_position;  ///< 1 is next
   std::string tag, reused_from;
-  Json mesh;                ///< as to_json(MeshInfo), or null
-  Json parameters, report;  ///< objects, or null
+  std::string mesh;                ///< JSON text of to_json(MeshInfo), or empty
+  std::string parameters, report;  ///< JSON texts of objects, or empty
   std::optional<Problem> problem;
 };
-/// With the links that fit the state. `root` is the path of the API, e.g. "/api/v1".
-Json to_json(const StatusInfo& status, const std::string& root);
+/// The JSON text of a job, on one line, with the links that fit its state. `root` is the path of the API,
+/// e.g.
+/// "/api/v1". What is kept as text goes in as it stands: lists of jobs are asked for all the time, and
+/// reading it only to write it again took most of their time.
+std::string status_text(const StatusInfo& status, const std::string& root);
+/// The JSON text of an array; each item is a JSON text.
+std::string array_text(const std::vector<std::string>& items);
 
 struct ResultFile {
   std::string name, media_type, title;

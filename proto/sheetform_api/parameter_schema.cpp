@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 extern "C" const char sheetform_parameters_schema_begin[], sheetform_parameters_schema_end[];
 
@@ -102,7 +103,8 @@ bool is_plane(std::string_view text) {
   return std::hypot(values[0], values[1], values[2]) > 0;
 }
 
-constexpr std::size_t kLikeLetters = 3;  // shorter words are in too many others
+constexpr std::size_t kLikeLetters = 3;   // shorter words are in too many others
+constexpr std::size_t kLongestName = 60;  // nobody means anything by a longer one
 
 /// In lower case, without an s at the end: names and titles are compared by them.
 std::string letters_of(std::string_view text) {
@@ -112,6 +114,21 @@ std::string letters_of(std::string_view text) {
       letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (!letters.empty() && letters.back() == 's') letters.pop_back();
   return letters;
+}
+
+/// Letters to put in, take out or change to make one word of the other.
+std::size_t letters_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t corner = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t change = corner + (a[i] == b[j] ? 0 : 1);
+      corner = row[j + 1];
+      row[j + 1] = std::min({change, corner + 1, row[j] + 1});
+    }
+  }
+  return row.back();
 }
 
 bool is_choice(const ParameterDefinition& d, const std::string& text) {
@@ -288,14 +305,17 @@ Json parameter_from_text(const ParameterDefinition& definition, std::string_view
   return value;
 }
 
+bool may_mean(std::string_view wanted, std::string_view known, std::string_view title) {
+  const std::string word = letters_of(wanted.substr(0, kLongestName)), name = letters_of(known);
+  if (word.size() < kLikeLetters) return false;
+  if (name.find(word) != std::string::npos || letters_of(title).find(word) != std::string::npos) return true;
+  return letters_between(word, name) <= word.size() / 4 + 1;
+}
+
 std::string similar_parameters(std::string_view name) {
-  const std::string wanted = letters_of(name);
-  if (wanted.size() < kLikeLetters) return {};
   std::string list;
   for (const ParameterDefinition& d : parameter_definitions())
-    if (letters_of(d.name).find(wanted) != std::string::npos ||
-        letters_of(d.title).find(wanted) != std::string::npos)
-      list += (list.empty() ? "" : ", ") + d.name + " (" + d.title + ")";
+    if (may_mean(name, d.name, d.title)) list += (list.empty() ? "" : ", ") + d.name + " (" + d.title + ")";
   return list;
 }
 

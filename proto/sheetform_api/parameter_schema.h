@@ -72,6 +72,9 @@ Json complete_parameters(const Json& given);
 /// What an unknown name may stand for, by names and titles: "scale (Millimetres for one unit)" for "units".
 /// Empty: nothing is like it.
 std::string similar_parameters(std::string_view name);
+/// Whether who writes the name `wanted` may mean `known`: it is part of that name or of its title, or few
+/// letters differ. Words of less than three letters mean nothing.
+bool may_mean(std::string_view wanted, std::string_view known, std::string_view title);
 
 // A sweep has the same parameters, but for the tolerance: e_max is a list, and e_max_mm is none of them.
 

@@ -31,6 +31,9 @@ void add_result_routes(Router& router, ApiParts& parts);
 void add_export_routes(Router& router, ApiParts& parts);
 void add_event_routes(Router& router, ApiParts& parts);
 
+/// The status document of a job, as JSON text on one line; and an array of them.
+std::string job_text(const ApiParts& parts, const JobRecord& job);
+std::string jobs_text(const ApiParts& parts, const std::vector<JobRecord>& jobs);
 /// The status document of a job, with its weak tag.
 Answer status_answer(const ApiParts& parts, int status, const JobRecord& job);
 /// The job of the address if its result can be had; a failed job answers with its own problem.

@@ -12,10 +12,10 @@ constexpr auto kLongest = std::chrono::hours(1);
 constexpr int kSnapshot = 100;
 
 /// One message; `id` none for those that are not kept.
-std::string event_text(const std::string& name, const api::Json& data,
+std::string event_text(const std::string& name, const std::string& data,
                        std::optional<std::int64_t> id = std::nullopt) {
   std::string text = id ? "id: " + std::to_string(*id) + "\n" : std::string();
-  return text + "event: " + name + "\ndata: " + api::dump(data) + "\n\n";
+  return text + "event: " + name + "\ndata: " + data + "\n\n";
 }
 
 Answer stream_answer(std::shared_ptr<LiveContent> content) {
@@ -76,7 +76,8 @@ class JobStream : public Stream {
     job_ = *now;
     bool sent = false;
     for (const JobEvent& e : parts_.service.store().events_after(job_.seq, last_)) {
-      if (!write(event_text("status", api::to_json(parts_.service.status_at(job_, e), kApiRoot), e.number)))
+      if (!write(
+              event_text("status", api::status_text(parts_.service.status_at(job_, e), kApiRoot), e.number)))
         return false;
       last_ = e.number;
       sent = true;
@@ -89,7 +90,7 @@ class JobStream : public Stream {
     if (!live || (live->percent == percent_ && live->message == message_)) return true;
     percent_ = live->percent;
     message_ = live->message;
-    return write(event_text("status", api::to_json(parts_.service.status(job_), kApiRoot)));
+    return write(event_text("status", job_text(parts_, job_)));
   }
 
   JobRecord job_;
@@ -129,23 +130,24 @@ class ListStream : public Stream {
       const std::vector<JobRecord> running = parts_.service.store().list(filter);
       jobs.insert(jobs.end(), running.begin(), running.end());
     }
-    api::Json list = api::Json::array();
-    for (const JobRecord& job : jobs) list.push_back(api::to_json(parts_.service.status(job), kApiRoot));
-    return write(event_text("snapshot", {{"jobs", list}}));
+    return write(event_text("snapshot", "{\"jobs\":" + jobs_text(parts_, jobs) + "}"));
   }
   bool send_changes(const LiveContent::Write& write) {
     const std::uint64_t newest = parts_.service.bus().newest();
-    const std::optional<std::vector<std::string>> changed = parts_.service.bus().changed_since(sent_);
+    const std::optional<std::vector<JobChange>> changed = parts_.service.bus().changed_since(sent_);
     if (!changed) return send_snapshot(write);
     sent_ = newest;
-    for (const std::string& id : *changed) {
-      const std::optional<JobRecord> job = parts_.service.store().find(id);
-      if (job && visible_ && job->principal != *visible_) continue;
-      const std::string text = job ? event_text("job", api::to_json(parts_.service.status(*job), kApiRoot))
-                                   : event_text("removed", {{"jobID", id}});
-      if (!write(text)) return false;
-    }
+    for (const JobChange& change : *changed)
+      if (!send_change(change, write)) return false;
     return true;
+  }
+  /// Nothing, not even an id, is told of the jobs of others.
+  bool send_change(const JobChange& change, const LiveContent::Write& write) {
+    const std::optional<JobRecord> job = parts_.service.store().find(change.job);
+    const std::optional<std::int64_t> owner = job ? job->principal : change.removed_of;
+    if (!owner || (visible_ && *owner != *visible_)) return true;
+    if (job) return write(event_text("job", job_text(parts_, *job)));
+    return write(event_text("removed", api::dump(api::Json{{"jobID", change.job}})));
   }
 
   std::optional<std::int64_t> visible_;

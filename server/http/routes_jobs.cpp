@@ -33,9 +33,9 @@ Answer list_jobs(Exchange& x, const ApiParts& parts) {
   if (!jobs.empty() && (backwards ? more : filter.after.has_value()))
     links.push_back(
         {self + "?" + previous_page_query(x, jobs.front()), "prev", "application/json", "Newer jobs"});
-  api::Json list = api::Json::array();
-  for (const JobRecord& job : jobs) list.push_back(api::to_json(parts.service.status(job), kApiRoot));
-  return json_answer(200, api::Json{{"jobs", list}, {"links", api::to_json(links)}});
+  return text_answer(
+      200, "application/json",
+      "{\"jobs\":" + jobs_text(parts, jobs) + ",\"links\":" + api::dump(api::to_json(links)) + "}\n");
 }
 
 std::string revision_tag(const JobRecord& job) { return "W/\"" + std::to_string(job.revision) + "\""; }
@@ -80,8 +80,18 @@ Answer get_log(Exchange& x, const ApiParts& parts) {
 
 }  // namespace
 
+std::string job_text(const ApiParts& parts, const JobRecord& job) {
+  return api::status_text(parts.service.status(job), kApiRoot);
+}
+
+std::string jobs_text(const ApiParts& parts, const std::vector<JobRecord>& jobs) {
+  std::vector<std::string> texts;
+  for (const JobRecord& job : jobs) texts.push_back(job_text(parts, job));
+  return api::array_text(texts);
+}
+
 Answer status_answer(const ApiParts& parts, int status, const JobRecord& job) {
-  Answer answer = json_answer(status, api::to_json(parts.service.status(job), kApiRoot));
+  Answer answer = text_answer(status, "application/json", job_text(parts, job) + "\n");
   return answer.with("ETag", revision_tag(job));
 }
 

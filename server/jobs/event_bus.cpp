@@ -10,16 +10,21 @@ constexpr auto kLiveInterval = std::chrono::milliseconds(250);
 
 }  // namespace
 
-void EventBus::publish_locked(const std::string& job) {
+void EventBus::publish_locked(JobChange change) {
   ++newest_;
-  changes_.push_back(job);
+  changes_.push_back(std::move(change));
   if (changes_.size() > kKept) changes_.pop_front();
   condition_.notify_all();
 }
 
 void EventBus::publish(const std::string& job) {
   const std::lock_guard lock(mutex_);
-  publish_locked(job);
+  publish_locked({job, std::nullopt});
+}
+
+void EventBus::publish_removed(const std::string& job, std::int64_t principal) {
+  const std::lock_guard lock(mutex_);
+  publish_locked({job, principal});
 }
 
 void EventBus::progress(const std::string& job, const LiveProgress& live, bool now) {
@@ -29,7 +34,7 @@ void EventBus::progress(const std::string& job, const LiveProgress& live, bool n
   const auto time = SteadyClock::now();
   if (!now && time - entry.published < kLiveInterval) return;
   entry.published = time;
-  publish_locked(job);
+  publish_locked({job, std::nullopt});
 }
 
 void EventBus::forget(const std::string& job) {
@@ -53,8 +58,8 @@ bool EventBus::changed(const std::string& job, std::uint64_t seen) const {
   if (newest_ == seen) return false;
   const std::uint64_t fresh = newest_ - seen;
   if (job.empty() || fresh > changes_.size()) return true;
-  return std::find(changes_.end() - static_cast<std::ptrdiff_t>(fresh), changes_.end(), job) !=
-         changes_.end();
+  return std::any_of(changes_.end() - static_cast<std::ptrdiff_t>(fresh), changes_.end(),
+                     [&](const JobChange& change) { return change.job == job; });
 }
 
 bool EventBus::wait(const std::string& job, std::uint64_t& seen, SteadyClock::time_point until) {
@@ -64,14 +69,19 @@ bool EventBus::wait(const std::string& job, std::uint64_t& seen, SteadyClock::ti
   return came && !closed_;
 }
 
-std::optional<std::vector<std::string>> EventBus::changed_since(std::uint64_t seen) const {
+std::optional<std::vector<JobChange>> EventBus::changed_since(std::uint64_t seen) const {
   const std::lock_guard lock(mutex_);
   const std::uint64_t fresh = newest_ - seen;
   if (fresh > changes_.size()) return std::nullopt;
-  std::vector<std::string> jobs;
+  std::vector<JobChange> jobs;
   for (std::uint64_t i = 0; i < fresh; ++i) {
-    const std::string& job = changes_[changes_.size() - 1 - i];
-    if (std::find(jobs.begin(), jobs.end(), job) == jobs.end()) jobs.push_back(job);
+    const JobChange& change = changes_[changes_.size() - 1 - i];
+    const auto later =
+        std::find_if(jobs.begin(), jobs.end(), [&](const JobChange& j) { return j.job == change.job; });
+    if (later == jobs.end())
+      jobs.push_back(change);
+    else if (!later->removed_of)  // the slot that ran it may tell of it after its removal
+      later->removed_of = change.removed_of;
   }
   std::reverse(jobs.begin(), jobs.end());
   return jobs;

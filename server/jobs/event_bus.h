@@ -1,6 +1,7 @@
 // Tells waiting threads that jobs have changed, and keeps what is too fresh to be stored: live progress.
 #pragma once
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -17,10 +18,17 @@ struct LiveProgress {
   std::string stage, message;
 };
 
+struct JobChange {
+  std::string job;
+  std::optional<std::int64_t> removed_of;  ///< whose it was, when it is no more
+};
+
 class EventBus {
  public:
   /// Something about this job changed.
   void publish(const std::string& job);
+  /// The job of this principal is no more: nobody can be asked any longer whose it was.
+  void publish_removed(const std::string& job, std::int64_t principal);
   /// Live progress of a running job; published at most four times a second unless `now`.
   void progress(const std::string& job, const LiveProgress& live, bool now);
   void forget(const std::string& job);
@@ -33,13 +41,13 @@ class EventBus {
   bool wait(const std::string& job, std::uint64_t& seen, SteadyClock::time_point until);
   /// Jobs that changed after `seen`, each once, in order of their last change. None when too many changes
   /// were missed.
-  std::optional<std::vector<std::string>> changed_since(std::uint64_t seen) const;
+  std::optional<std::vector<JobChange>> changed_since(std::uint64_t seen) const;
   /// Ends every wait, now and later.
   void wake_all();
 
  private:
   bool changed(const std::string& job, std::uint64_t seen) const;
-  void publish_locked(const std::string& job);
+  void publish_locked(JobChange change);
 
   struct Entry {
     LiveProgress live;
@@ -48,7 +56,7 @@ class EventBus {
   mutable std::mutex mutex_;
   std::condition_variable condition_;
   std::uint64_t newest_ = 0;
-  std::deque<std::string> changes_;  ///< of the last changes; the newest at the back
+  std::deque<JobChange> changes_;  ///< of the last changes; the newest at the back
   std::map<std::string, Entry> live_;
   bool closed_ = false;
 };

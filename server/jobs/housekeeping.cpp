@@ -17,7 +17,7 @@ void JobService::keep_quota() {
     const std::vector<std::string> oldest = jobs_.oldest_finished(kBatch / 10);
     if (oldest.empty()) return;
     for (const std::string& id : oldest) {
-      if (jobs_.remove(id)) bus_.publish(id);
+      if (const std::optional<std::int64_t> owner = jobs_.remove(id)) bus_.publish_removed(id, *owner);
     }
     log_info("jobs were removed to keep the quota", {{"jobs", oldest.size()}});
     collect_unused();
@@ -52,8 +52,8 @@ void JobService::collect_unused() {
 
 void JobService::keep_house() {
   const Microseconds now = now_us();
-  for (std::vector<std::string> gone; !(gone = jobs_.remove_expired(now, kBatch)).empty();)
-    for (const std::string& id : gone) bus_.publish(id);
+  for (std::vector<RemovedJob> gone; !(gone = jobs_.remove_expired(now, kBatch)).empty();)
+    for (const RemovedJob& job : gone) bus_.publish_removed(job.id, job.principal);
   jobs_.forget_idempotency(now - options_.limits.keep_idempotency);
   keep_quota();
   collect_unused();

@@ -318,9 +318,9 @@ api::StatusInfo JobService::status(const JobRecord& job) const {
   s.attempt = job.attempt;
   s.tag = job.tag;
   s.reused_from = job.reused_from;
-  s.mesh = parsed_or_null(job.input_info);
-  s.parameters = parsed_or_null(job.parameters);
-  s.report = parsed_or_null(job.report);
+  s.mesh = job.input_info;
+  s.parameters = job.parameters;
+  s.report = job.report;
   if (!job.problem.empty() && job.state == JobState::kFailed)
     s.problem = api::problem_from_json(parsed_or_null(job.problem));
   if (job.state == JobState::kAccepted) s.queue_position = jobs_.queue_position(job);
@@ -357,8 +357,11 @@ JobRecord JobService::dismiss(const JobRecord& job) {
   if (outcome == DismissOutcome::kNoSuchJob)
     throw Refusal(ProblemType::kNoSuchJob, "there is no job " + job.id);
   pool_.stop_job(job.id);
-  bus_.publish(job.id);
-  if (outcome == DismissOutcome::kDismissed) return *jobs_.find(job.id);
+  if (outcome == DismissOutcome::kDismissed) {
+    bus_.publish(job.id);
+    return *jobs_.find(job.id);
+  }
+  bus_.publish_removed(job.id, job.principal);
   JobRecord removed = job;
   removed.state = JobState::kDismissed;
   removed.message = "removed";

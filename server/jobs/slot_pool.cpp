@@ -8,6 +8,28 @@ namespace {
 constexpr auto kPoll = std::chrono::seconds(2);  // the truth behind every missed wake
 constexpr auto kAfterFailure = std::chrono::seconds(1);
 
+/// Counts those who are at something, and tells when one is no more.
+class Counted {
+ public:
+  Counted(std::mutex& mutex, int& count, std::condition_variable& changed)
+      : mutex_(mutex), count_(count), changed_(changed) {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+  }
+  ~Counted() {
+    const std::lock_guard lock(mutex_);
+    --count_;
+    changed_.notify_all();
+  }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  std::mutex& mutex_;
+  int& count_;
+  std::condition_variable& changed_;
+};
+
 }  // namespace
 
 SlotPool::~SlotPool() { drain(SteadyClock::now()); }
@@ -31,7 +53,8 @@ void SlotPool::stop_job(const std::string& id) {
 }
 
 bool SlotPool::finish_job(const std::string& id) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  entered_.wait_for(lock, kPoll, [&] { return claiming_ == 0 || running_.count(id) > 0; });
   const auto found = running_.find(id);
   if (found == running_.end()) return false;
   found->second->enough.raise();
@@ -76,11 +99,9 @@ void SlotPool::run_slot() {
   std::uint64_t seen = wakes_;
   while (!draining_) {
     lock.unlock();
-    std::optional<ClaimedJob> claimed;
-    bool failed = false;
+    bool took = false, failed = false;
     try {
-      claimed = parts_.jobs.claim(now_us());
-      if (claimed) run_one(*claimed);
+      took = take_one();
     } catch (const std::exception& e) {
       log_error("a slot failed", {{"reason", e.what()}});
       failed = true;
@@ -88,7 +109,7 @@ void SlotPool::run_slot() {
     lock.lock();
     if (failed)
       work_.wait_for(lock, kAfterFailure, [this] { return draining_; });
-    else if (!claimed && seen == wakes_)
+    else if (!took && seen == wakes_)
       wait_for_work(lock);
     seen = wakes_;
   }
@@ -109,13 +130,24 @@ void SlotPool::put_back(const ClaimedJob& claimed) {
   }
 }
 
-void SlotPool::run_one(const ClaimedJob& claimed) {
-  const auto running = std::make_shared<AttemptWishes>();
-  {
-    const std::lock_guard lock(mutex_);
-    running_[claimed.job.id] = running;
-    if (stop_now_) stop_for_drain(*running);
-  }
+bool SlotPool::take_one() {
+  const auto wishes = std::make_shared<AttemptWishes>();  // may fail, so before there is a job
+  const std::optional<ClaimedJob> claimed = claim(wishes);
+  if (claimed) run_one(*claimed, wishes);
+  return claimed.has_value();
+}
+
+std::optional<ClaimedJob> SlotPool::claim(const std::shared_ptr<AttemptWishes>& wishes) {
+  const Counted claiming(mutex_, claiming_, entered_);
+  std::optional<ClaimedJob> claimed = parts_.jobs.claim(now_us());
+  if (!claimed) return claimed;
+  const std::lock_guard lock(mutex_);
+  running_[claimed->job.id] = wishes;
+  if (stop_now_) stop_for_drain(*wishes);
+  return claimed;
+}
+
+void SlotPool::run_one(const ClaimedJob& claimed, const std::shared_ptr<AttemptWishes>& running) {
   parts_.bus.publish(claimed.job.id);
   // Dismissed between the claim and the entry above: nobody would stop it any more.
   const std::optional<JobRecord> job = parts_.jobs.find(claimed.job.id);

@@ -1,7 +1,9 @@
 #include "server/mapping/exports.h"
 
 #include "server/base/version.h"
+#include "sheetform/base/error.h"
 #include "sheetform/blueprint/exports.h"
+#include "sheetform_api/parameter_schema.h"
 
 namespace sheetform::server {
 namespace {
@@ -10,9 +12,24 @@ std::vector<Profile> own_profiles(const std::string& json) {
   return json.empty() ? std::vector<Profile>{} : read_profiles(json);
 }
 
+/// Throws Error when there is no such parameter, with those that may be meant and all others.
+void check_name(const std::string& name) {
+  std::string like, all;
+  for (const ExportParameter& p : export_parameters()) {
+    if (p.name == name) return;
+    if (api::may_mean(name, p.name, p.text)) like += (like.empty() ? "" : ", ") + p.name;
+    all += (all.empty() ? "" : ", ") + p.name;
+  }
+  throw Error(ErrorCode::kInvalidParameter, "an export has no parameter " + name.substr(0, 60), name,
+              (like.empty() ? "" : "you may mean " + like + "; ") + "there are " + all);
+}
+
 }  // namespace
 
-void check_export(const ExportWish& wish) { (void)read_export_request(wish.format, wish.query); }
+void check_export(const ExportWish& wish) {
+  for (const auto& [name, value] : wish.query) check_name(name);
+  (void)read_export_request(wish.format, wish.query);
+}
 
 void check_profiles(const std::string& json) { (void)own_profiles(json); }
 

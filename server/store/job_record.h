@@ -90,6 +90,11 @@ struct JobFilter {
   int limit = 10;
 };
 
+struct RemovedJob {
+  std::string id;
+  std::int64_t principal = 0;  ///< whose it was
+};
+
 struct IdempotencyRecord {
   std::string fingerprint, job;
 };

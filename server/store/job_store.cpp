@@ -53,16 +53,17 @@ void JobStore::State::follow_line(SQLite::Database& db) {
 JobStore::JobStore(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
 JobStore::~JobStore() = default;
 
-std::vector<std::string> JobStore::remove_expired(Microseconds now, int limit) {
+std::vector<RemovedJob> JobStore::remove_expired(Microseconds now, int limit) {
   return state_->file.write([&](SQLite::Database& db) {
     SQLite::Statement remove(db,
                              "DELETE FROM job WHERE seq IN (SELECT seq FROM job WHERE expires <= ? AND "
-                             "state NOT IN ('accepted', 'running') LIMIT ?) RETURNING id");
+                             "state NOT IN ('accepted', 'running') LIMIT ?) RETURNING id, principal");
     remove.bind(1, now);
     remove.bind(2, limit);
-    std::vector<std::string> ids;
-    while (remove.executeStep()) ids.push_back(remove.getColumn(0).getString());
-    return ids;
+    std::vector<RemovedJob> jobs;
+    while (remove.executeStep())
+      jobs.push_back({remove.getColumn(0).getString(), remove.getColumn(1).getInt64()});
+    return jobs;
   });
 }
 
@@ -79,11 +80,14 @@ std::vector<std::string> JobStore::oldest_finished(int limit) const {
   });
 }
 
-bool JobStore::remove(const std::string& id) {
+std::optional<std::int64_t> JobStore::remove(const std::string& id) {
   return state_->file.write([&](SQLite::Database& db) {
-    SQLite::Statement remove(db, "DELETE FROM job WHERE id = ? AND state NOT IN ('accepted', 'running')");
+    SQLite::Statement remove(
+        db, "DELETE FROM job WHERE id = ? AND state NOT IN ('accepted', 'running') RETURNING principal");
     remove.bind(1, id);
-    return remove.exec() == 1;
+    std::optional<std::int64_t> owner;
+    while (remove.executeStep()) owner = remove.getColumn(0).getInt64();  // to its end, or nothing is removed
+    return owner;
   });
 }
 

@@ -69,11 +69,12 @@ class JobStore {
   void probe() const;
 
   // --- keeping house
-  /// Removes jobs whose time is over, at most `limit`; returns their ids.
-  std::vector<std::string> remove_expired(Microseconds now, int limit);
+  /// Removes jobs whose time is over, at most `limit`; returns them.
+  std::vector<RemovedJob> remove_expired(Microseconds now, int limit);
   /// Oldest finished jobs, for the quota.
   std::vector<std::string> oldest_finished(int limit) const;
-  bool remove(const std::string& id);
+  /// Whose it was; none when there is no such job.
+  std::optional<std::int64_t> remove(const std::string& id);
   std::int64_t stored_bytes() const;
   /// Blob rows that no job names, and their removal (again only when no job names them).
   std::vector<std::string> unused_blobs(Microseconds older_than, int limit) const;

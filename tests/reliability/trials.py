@@ -55,7 +55,7 @@ def percentile(values, share):
 def latencies(port, path, count):
     """Seconds of `count` requests one after the other, each on a connection of its own, from a process of its own (the
     load may come from threads of this one)."""
-    def measure(pipe):
+    def measure(i):
         import http.client
         times = []
         for _ in range(count):
@@ -65,15 +65,33 @@ def latencies(port, path, count):
             good = connection.getresponse().read() is not None
             connection.close()
             times.append(time.monotonic() - begun if good else 60.0)
-        pipe.send(times)
-    context = multiprocessing.get_context("fork")
-    mine, theirs = context.Pipe(False)
-    process = context.Process(target=measure, args=(theirs,))
-    process.start()
-    theirs.close()
-    times = mine.recv()
-    process.join()
-    return times
+        return times
+    return in_processes(1, measure)[0]
+
+
+def in_processes(count, work, meanwhile=lambda: None):
+    """Calls work(i) in `count` processes, and meanwhile() here; the answers, or the first exception. Threads of one Python
+    wait for each other, so that what they measure is not what the server took."""
+    def call(i, pipe):
+        try:
+            pipe.send((True, work(i)))
+        except BaseException as e:  # told by the one that started it
+            pipe.send((False, f"{type(e).__name__}: {e}"))
+    context, started = multiprocessing.get_context("fork"), []
+    for i in range(count):
+        mine, theirs = context.Pipe(False)
+        started.append((context.Process(target=call, args=(i, theirs)), mine))
+        started[-1][0].start()
+        theirs.close()
+    try:
+        meanwhile()
+    finally:
+        told = [pipe.recv() for _, pipe in started]
+        for process, _ in started:
+            process.join()
+    for good, answer in told:
+        expect(good, answer)
+    return [answer for _, answer in told]
 
 
 def in_threads(count, work):

@@ -2,6 +2,7 @@
 import hashlib
 import io
 import json
+import re
 import os
 import tempfile
 import time
@@ -112,6 +113,16 @@ class Exports(ServerCase):
         self.assert_problem(self.server.get(self.base + "/svg?kerf=1&kerf=2"), 400, "invalid-query-parameter-value")
         self.assert_problem(self.export("exe"), 404, "no-such-output")
         self.assert_problem(self.server.get("/api/v1/jobs/00000000-0000-7000-8000-000000000000/exports/svg"), 404, "no-such-job")
+
+    def test_the_parameter_that_was_meant_is_told(self):
+        for name, meant in [("kerfs", "kerf"), ("kref", "kerf"), ("paper", "thickness"), ("sheetsize", "sheet_size"),
+                            ("ruling", "rulings"), ("sheet_siez", "sheet_size"), ("nonsense", None), ("x" * 500, None)]:
+            with self.subTest(name=name[:20]):
+                problem = self.server.get(f"{self.base}/svg?{name}=1").json()
+                self.assertEqual((problem["status"], problem["where"]), (400, name[:60]))
+                self.assertIn("there are ", problem["fix"])
+                told = re.findall(r"\w+", problem["fix"].split("; ")[0]) if "may mean" in problem["fix"] else [None]
+                self.assertIn(meant, told)
 
     def test_malicious_texts_stay_texts(self):
         answer = self.export("svg", part="<script>alert(1)</script>")

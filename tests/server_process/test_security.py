@@ -1,6 +1,7 @@
 """Who gets in: tokens and scopes, hosts, origins, addresses, rates."""
 import json
 import os
+import socket
 import subprocess
 import tempfile
 import time
@@ -69,6 +70,32 @@ class Tokens(unittest.TestCase):
         for key in (self.alice, self.reader, self.admin):
             self.assertEqual([j["jobID"] for j in self.send("GET", "/api/v1/jobs", key).json()["jobs"]], [job])
 
+    def test_the_list_of_events_tells_nothing_of_others(self):
+        gone = {}
+        with self.listening(self.alice) as seen_by_alice, self.listening(self.bob) as seen_by_bob, self.listening(self.reader) as by_reader:
+            for name, key in (("alice", self.alice), ("bob", self.bob)):
+                answer = self.send("POST", EXECUTION + "?filename=work-20.obj", key, unique_mesh(), Prefer="wait=20")
+                gone[name] = answer.json()["jobID"]
+                self.assertEqual(self.send("DELETE", "/api/v1/jobs/" + gone[name], key).status, 200)
+            for seen, names in ((seen_by_alice, ["alice"]), (seen_by_bob, ["bob"]), (by_reader, ["alice", "bob"])):
+                text = self.read_until(seen, f'removed\ndata: {{"jobID":"{gone[names[-1]]}"}}')
+                for name, job in gone.items():
+                    self.assertEqual(name in names, job in text, (name, names))
+
+    def listening(self, key):
+        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=30)
+        s.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {key}\r\n\r\n".encode())
+        self.read_until(s, "event: snapshot")
+        return s
+
+    def read_until(self, stream, end):
+        told = b""
+        while end.encode() not in told:
+            piece = stream.recv(65536)
+            self.assertTrue(piece, f"the stream ended without {end}: {told[-2000:]}")
+            told += piece
+        return told.decode()
+
     def test_results_of_others_are_not_reused(self):
         mesh = unique_mesh()
         first = self.send("POST", EXECUTION, self.alice, mesh, Prefer="wait=20").json()
@@ -111,6 +138,7 @@ class Addresses(unittest.TestCase):
             with Server(data=os.path.join(tempfile.mkdtemp(prefix="sheetform-test-"), "data")) as server:
                 server.own_data = True
                 server.wait(server.submit()["jobID"])
+                server.until_tidy()  # the folder of the job goes a moment after its end
                 found = [os.path.join(folder, name) for folder, folders, files in os.walk(server.data) for name in folders + files]
                 self.assertGreater(len(found), 8)
                 self.assertEqual([path for path in [server.data, *found] if os.stat(path).st_mode & 0o077], [])

@@ -16,7 +16,7 @@ TEST(StatusInfo, HasWhatOgcAsksFor) {
   s.id = "1";
   s.process = "decompose";
   s.state = JobState::kSuccessful;
-  const Json json = to_json(s, "/api/v1");
+  const Json json = Json::parse(status_text(s, "/api/v1"));
   EXPECT_EQ(json.at("jobID"), "1");
   EXPECT_EQ(json.at("type"), "process");
   EXPECT_EQ(json.at("status"), "successful");
@@ -27,7 +27,30 @@ TEST(StatusInfo, HasWhatOgcAsksFor) {
 TEST(StatusInfo, NoResultsLinkBeforeTheEnd) {
   StatusInfo s;
   s.id = "1";
-  EXPECT_FALSE(has_link(to_json(s, "/api/v1"), "/api/v1/jobs/1/results"));
+  EXPECT_FALSE(has_link(Json::parse(status_text(s, "/api/v1")), "/api/v1/jobs/1/results"));
+}
+
+TEST(StatusInfo, TellsWhatIsKeptAsTextAsItStands) {
+  StatusInfo s;
+  s.id = "1";
+  s.state = JobState::kFailed;
+  s.message = "\"},{";
+  s.mesh = R"({"name":"a\"guides\":"})";
+  s.parameters = R"({"e_max":0.02})";
+  s.report = R"({"parts":[1,2]})";
+  s.problem = Problem{};
+  Json json = Json::parse(status_text(s, "/api/v1"));
+  EXPECT_EQ(json.at("message"), s.message);
+  EXPECT_EQ(json.at("inputs").at("mesh"), Json::parse(s.mesh));
+  EXPECT_EQ(json.at("parameters"), Json::parse(s.parameters));
+  EXPECT_EQ(json.at("report"), Json::parse(s.report));
+  EXPECT_EQ(json.at("exception"), to_json(*s.problem));
+  EXPECT_FALSE(has_link(json, "/api/v1/jobs/1/guides"));
+  s.mesh = R"({"guides":{"seams":1}})";
+  json = Json::parse(status_text(s, "/api/v1"));
+  EXPECT_TRUE(has_link(json, "/api/v1/jobs/1/guides"));
+  EXPECT_EQ(Json::parse(array_text({"1", "{}"})), Json::parse("[1,{}]"));
+  EXPECT_EQ(array_text({}), "[]");
 }
 
 TEST(JobState, NamesRoundTrip) {

@@ -184,10 +184,27 @@ TEST(EventBus, NamesEachChangedJobOnce) {
   EventBus bus;
   const std::uint64_t before = bus.newest();
   for (const char* id : {"a", "b", "a", "c"}) bus.publish(id);
-  EXPECT_THAT(*bus.changed_since(before), testing::ElementsAre("b", "a", "c"));
+  const std::vector<JobChange> changes = *bus.changed_since(before);
+  EXPECT_THAT(changes,
+              testing::ElementsAre(testing::Field(&JobChange::job, "b"), testing::Field(&JobChange::job, "a"),
+                                   testing::Field(&JobChange::job, "c")));
   EXPECT_THAT(*bus.changed_since(bus.newest()), testing::IsEmpty());
   for (int i = 0; i < 5000; ++i) bus.publish("x");
   EXPECT_FALSE(bus.changed_since(before));
+}
+
+TEST(EventBus, ToldAfterItsRemovalTooAJobIsRemoved) {
+  EventBus bus;
+  const std::uint64_t before = bus.newest();
+  bus.publish("a");
+  bus.publish_removed("a", 7);
+  bus.publish("a");
+  bus.publish("b");
+  const std::vector<JobChange> changes = *bus.changed_since(before);
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].job, "a");
+  EXPECT_EQ(changes[0].removed_of, 7);
+  EXPECT_FALSE(changes[1].removed_of);
 }
 
 TEST(EventBus, LiveProgressIsThinnedOut) {

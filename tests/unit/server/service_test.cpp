@@ -8,6 +8,7 @@
 #include "server/base/identity.h"
 #include "server/jobs/job_service.h"
 #include "server/mapping/wire_parameters.h"
+#include "sheetform_api/process.h"
 
 namespace sheetform::server {
 namespace {
@@ -30,12 +31,14 @@ class ServiceTest : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  JobRecord submit(const std::string& name) {
+  JobRecord submit(const std::string& name, const std::string& process = api::kDecompose) {
     const std::unique_ptr<Upload> upload = service_->begin_upload();
     upload->add("v 0 0 0\n# " + make_uuid());
     Submission s;
     s.name = name;
-    s.parameters = understood_parameters(api::Json::object());
+    s.process = process;
+    s.parameters = process == api::kSweep ? understood_sweep_parameters(api::Json{{"e_max", {0.02, 0.05}}})
+                                          : understood_parameters(api::Json::object());
     return service_->submit(*upload, s).job;
   }
   JobState end_of(JobRecord job) {
@@ -76,6 +79,19 @@ TEST_F(ServiceTest, ManyThreadsAtOnce) {
   EXPECT_EQ(dismissed, kThreads * kJobs / 4);
   service_->drain(std::chrono::seconds(5));
   EXPECT_EQ(service_->running(), 0);
+}
+
+TEST_F(ServiceTest, ASweepThatIsSaidToRunCanBeFinished) {
+  for (int i = 0; i < 6; ++i) {
+    const JobRecord job = submit("work-3.obj", api::kSweep);
+    while (service_->store().find(job.id)->state == JobState::kAccepted) std::this_thread::yield();
+    try {
+      service_->finish(*service_->store().find(job.id));
+    } catch (const Refusal& e) {
+      FAIL() << e.problem().detail << " (round " << i << ')';
+    }
+    EXPECT_EQ(end_of(job), JobState::kSuccessful);
+  }
 }
 
 TEST_F(ServiceTest, DrainWhileOthersSubmit) {

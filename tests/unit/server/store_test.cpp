@@ -271,7 +271,8 @@ TEST_F(JobStoreTest, ReuseCopiesAResultAndOutlivesItsSource) {
   EXPECT_EQ(job->state, JobState::kSuccessful);
   EXPECT_EQ(job->report, R"({"patches":1})");
   EXPECT_EQ(job->reused_from, first.id);
-  store_.remove(first.id);
+  EXPECT_EQ(store_.remove(first.id), first.principal);
+  EXPECT_FALSE(store_.remove(first.id));
   EXPECT_EQ(store_.outputs(job->seq).size(), 2u);
   EXPECT_EQ(store_.outputs(job->seq)[1].name, "b");
   EXPECT_TRUE(store_.unused_blobs(now_us() + 1, 10).size() == 1);  // the first job's upload
@@ -343,12 +344,16 @@ TEST_F(JobStoreTest, TextsOfStrangersAreOnlyTexts) {
 
 TEST_F(JobStoreTest, ExpiredJobsGoAndLeaveTheirContentUnused) {
   NewJob job = new_job();
+  job.principal = store_.principal_id("somebody");
   job.expires = now_us() - 1;
   store_.accept(job);
   EXPECT_TRUE(store_.remove_expired(now_us(), 10).empty());  // it still waits
   const ClaimedJob claimed = *store_.claim(now_us());
   store_.succeed(claimed, {{"a", "text/plain", sha256("a"), 1}}, "{}", "");
-  EXPECT_EQ(store_.remove_expired(now_us(), 10), std::vector<std::string>{job.id});
+  const std::vector<RemovedJob> gone = store_.remove_expired(now_us(), 10);
+  ASSERT_EQ(gone.size(), 1u);
+  EXPECT_EQ(gone[0].id, job.id);
+  EXPECT_EQ(gone[0].principal, job.principal);
   EXPECT_EQ(store_.unused_blobs(now_us() + 1, 10).size(), 2u);
   EXPECT_TRUE(store_.remove_blob_row(job.input));
   EXPECT_FALSE(store_.knows_blob(job.input));
