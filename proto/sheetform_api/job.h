@@ -50,8 +50,7 @@ struct StatusInfo {
   std::string parameters, report;  ///< JSON texts of objects, or empty
   std::optional<Problem> problem;
 };
-/// The JSON text of a job, on one line, with the links that fit its state. `root` is the path of the API,
-/// e.g.
+/// The JSON text of a job, on one line, with the links that fit its state. `root` is the path of the API, as
 /// "/api/v1". What is kept as text goes in as it stands: lists of jobs are asked for all the time, and
 /// reading it only to write it again took most of their time.
 std::string status_text(const StatusInfo& status, const std::string& root);
