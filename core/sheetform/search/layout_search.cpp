@@ -71,7 +71,8 @@ const PatchLayout& LayoutSearch::layout() {
 }
 
 const LayoutEvaluation& LayoutSearch::evaluation() {
-  if (!evaluation_valid_) evaluation_ = evaluator_->layout(layout(), params_.lawson_rounds);
+  if (evaluation_valid_) return evaluation_;
+  evaluation_ = evaluator_->layout(layout(), params_.lawson_rounds);
   evaluation_valid_ = true;
   return evaluation_;
 }
