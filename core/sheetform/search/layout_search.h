@@ -45,9 +45,9 @@ class LayoutSearch {
   void remove_paths();
   /// Removes single arches (T-junctions appear), the most rewarding first, until none goes.
   void remove_arches();
-  /// The same, and of arches that may not go as a whole the one half or the other: what stays is a dart, a
-  /// seam that ends inside of its patch. Only where darts are allowed: with T-junctions and seams of a patch
-  /// with itself.
+  /// The same, and where an arch may not go with all that hangs on it, it goes alone, or half of it: what
+  /// stays is a dart, a seam that ends inside of its patch. Only where darts are allowed: with T-junctions
+  /// and seams of a patch with itself.
   void leave_darts();
   /// Local search: a stretch of a candidate path goes in, other arches go out; kept when there are fewer
   /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
@@ -88,11 +88,11 @@ class LayoutSearch {
  private:
   /// A copy of the layout to try a change on, with what is known of patches shared.
   LayoutSearch(const LayoutSearch& of, RunContext& context);
-  /// Edges that could go, with the loose ends that they leave; none when one of those may not.
+  /// Edges that could go, with the loose ends that they leave but for darts; none when one of those may not.
   struct Removal {
     std::vector<int> edges;
-    int tip = -1;           ///< the loose end that stays, of a dart
-    std::uint64_t key = 0;  ///< of merge_values_
+    bool leaves_dart = false;  ///< a loose end stays
+    std::uint64_t key = 0;     ///< of merge_values_
   };
   void changed() { layout_valid_ = evaluation_valid_ = false; }
   std::vector<int> topologically_bad();
@@ -102,7 +102,7 @@ class LayoutSearch {
   double priority(const Path& path, int patch) const;
   bool try_straighten(int edge);
   void set_straight(const std::vector<int>& edges, bool straight);
-  bool try_remove(const std::vector<int>& edges, int tip = -1);
+  bool try_remove(const std::vector<int>& edges, bool leaves_dart = false);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
@@ -158,7 +158,7 @@ class LayoutSearch {
   bool too_round(const std::vector<int>& beside, double inner_length) const;
   bool may_go(const Arch& arch) const;
   std::vector<Removal> whole_arches(const PatchLayout& now) const;
-  std::vector<Removal> half_arches(const PatchLayout& now) const;
+  std::vector<Removal> dart_leavers(const PatchLayout& now) const;
   std::uint64_t merge_key(const PatchLayout& now, const Arch& arch) const;
   bool remove_best(const std::vector<Removal>& all);
 

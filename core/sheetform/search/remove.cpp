@@ -1,4 +1,4 @@
-// The part of the search that removes: whole paths, single arches, and halves of arches, which leave darts.
+// The part of the search that removes: whole paths, single arches, and what leaves darts.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -29,8 +29,8 @@ std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
 
 }  // namespace
 
-bool LayoutSearch::try_remove(const std::vector<int>& edges, int tip) {
-  if (edges.empty() || (tip < 0 && network_.leaves_loose_end(edges))) return false;
+bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
+  if (edges.empty() || (!leaves_dart && network_.leaves_loose_end(edges))) return false;
   const std::vector<int> beside = patches_beside(edges), faces = faces_of(beside);
   have_places();
   PathNetwork trial = network_.network();
@@ -185,7 +185,7 @@ double LayoutSearch::merge_value(const Removal& removal) {
   double length = 0;
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
   const std::vector<int> beside = patches_beside(edges);
-  if (removal.tip < 0 && too_round(beside, length)) return -1;
+  if (!removal.leaves_dart && too_round(beside, length)) return -1;
   if (too_many_corners(beside, edges)) return -1;
   const auto fit = viable_region(trial, faces_of(beside));
   if (!fit) return -1;
@@ -210,29 +210,26 @@ std::uint64_t LayoutSearch::merge_key(const PatchLayout& now, const Arch& arch) 
 std::vector<LayoutSearch::Removal> LayoutSearch::whole_arches(const PatchLayout& now) const {
   std::vector<Removal> all;
   for (const Arch& arch : now.arches)
-    if (may_go(arch)) all.push_back({with_loose_ends(arch.edges), -1, merge_key(now, arch)});
+    if (may_go(arch)) all.push_back({with_loose_ends(arch.edges), false, merge_key(now, arch)});
   return all;
 }
 
-// The halves of arches, of which the other one then is a dart.
-std::vector<LayoutSearch::Removal> LayoutSearch::half_arches(const PatchLayout& now) const {
+// What may go of arches where darts stay: the whole arch but not what hung on it, or one half of it.
+std::vector<LayoutSearch::Removal> LayoutSearch::dart_leavers(const PatchLayout& now) const {
   std::vector<Removal> all;
   if (!rules_.darts) return all;
   const auto is_tip = [&](int v) { return network_degree(surface_.mesh, network_.network(), v) == 1; };
   for (const Arch& arch : now.arches) {
-    const auto n = static_cast<std::ptrdiff_t>(arch.edges.size());
-    if (!may_go(arch) || arch.closed() || n < kLeastHalved) continue;
+    if (!may_go(arch)) continue;
     const std::uint64_t key = merge_key(now, arch);
-    if (!is_tip(arch.vertices.back())) {
-      const int tip = arch.vertices[n / 2];
-      all.push_back(
-          {with_loose_ends({arch.edges.begin(), arch.edges.begin() + n / 2}, tip), tip, combine(key, 1)});
-    }
-    if (!is_tip(arch.vertices.front())) {
-      const int tip = arch.vertices[n - n / 2];
-      all.push_back(
-          {with_loose_ends({arch.edges.end() - n / 2, arch.edges.end()}, tip), tip, combine(key, 2)});
-    }
+    if (network_.leaves_loose_end(arch.edges)) all.push_back({arch.edges, true, combine(key, 1)});
+    const auto n = static_cast<std::ptrdiff_t>(arch.edges.size());
+    if (arch.closed() || n < kLeastHalved) continue;
+    const auto half = [&](auto begin, int tip, std::uint64_t which) {
+      all.push_back({with_loose_ends({begin, begin + n / 2}, tip), true, combine(key, which)});
+    };
+    if (!is_tip(arch.vertices.back())) half(arch.edges.begin(), arch.vertices[n / 2], 2);
+    if (!is_tip(arch.vertices.front())) half(arch.edges.end() - n / 2, arch.vertices[n - n / 2], 3);
   }
   return all;
 }
@@ -253,7 +250,7 @@ bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
   std::sort(order.begin(), order.end());
   for (const auto& [value, key, r] : order) {
     context_.report(Stage::kRemove, 0.7);
-    if (try_remove(all[r].edges, all[r].tip)) return true;
+    if (try_remove(all[r].edges, all[r].leaves_dart)) return true;
     merge_values_[key] = -1;
   }
   return false;
@@ -267,7 +264,7 @@ void LayoutSearch::remove_arches() {
 
 void LayoutSearch::leave_darts() {
   know_lost();
-  while (remove_best(whole_arches(layout())) || remove_best(half_arches(layout()))) {
+  while (remove_best(whole_arches(layout())) || remove_best(dart_leavers(layout()))) {
   }
 }
 

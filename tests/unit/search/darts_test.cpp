@@ -44,18 +44,25 @@ int inner_edges(const SurfaceMesh& mesh, const PathNetwork& network) {
   return n;
 }
 
-void expect_viable(LayoutSearch& search, double e_max) {
+void expect_viable(LayoutSearch& search, double e_max, std::size_t sides = 6) {
   for (const Patch& p : search.layout().patches) EXPECT_EQ(p.defect, TopologyDefect::kNone);
   const LayoutEvaluation& e = search.evaluation();
   EXPECT_EQ(e.failing, 0);
   EXPECT_LE(e.max_error, e_max);
-  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), 6u);
+  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), sides);
 }
 
 void reduce(LayoutSearch& search) {
   search.insert();
   search.remove_paths();
   search.remove_arches();
+}
+
+// With room for the three corners of a dart besides those of the sheet.
+EvaluationParams many_sides(double e_max) {
+  EvaluationParams params = evaluation_params(e_max);
+  params.max_sides = 20;
+  return params;
 }
 
 // ---- what the search leaves
@@ -143,14 +150,15 @@ struct Begun {
   TracingGraph graph;
   std::unique_ptr<LayoutSearch> search;
 
-  Begun(const Drawing& d, double e_max) : bed(d.mesh) {
+  Begun(const Drawing& d, double e_max) : Begun(d, evaluation_params(e_max)) {}
+  Begun(const Drawing& d, const EvaluationParams& evaluation) : bed(d.mesh) {
     const SurfaceMesh& mesh = bed.surface.mesh;
     const std::vector<char> smooth(mesh.edges.size(), 0);
     const CurvatureField curvature = principal_curvature(mesh, smooth, {}, bed.context);
     field = cross_field(mesh, smooth, curvature, nullptr, {}, bed.context);
     graph = tracing_graph(mesh, smooth, field, {}, bed.context);
     SearchParams params;
-    params.evaluation = evaluation_params(e_max);
+    params.evaluation = evaluation;
     search = std::make_unique<LayoutSearch>(bed.surface, d.network, graph, std::vector<Path>{}, params,
                                             bed.context);
   }
@@ -208,14 +216,31 @@ TEST(Darts, WhatIsHeldKeepsTheArchAtWhichItHangs) {
   expect_no_island(d.mesh, s.network());
 }
 
-// ---- the verdict on one patch
-
-// With room for the three corners of a dart besides those of the sheet.
-EvaluationParams many_sides(double e_max) {
-  EvaluationParams params = evaluation_params(e_max);
-  params.max_sides = 20;
-  return params;
+TEST(Darts, AreLeftOfWhatHungAtAnArchThatGoes) {
+  // A collar around the flat top of a cone, with a slit from the border to the cap: the cap needs no part of
+  // its own, the collar needs its slit.
+  Canvas canvas;
+  canvas.place = [](double x, double y) {
+    Vector3 p = on_hill(x / 5 - 1, y / 5 - 1, 0);
+    p.z() = -0.8 * std::max(0.0, p.norm() - 0.2);
+    return Vector3(0.35 * p);
+  };
+  canvas.steps = 2;
+  canvas.one_path = true;
+  const Drawing d = drawn(
+      "AAAAA|AAAAA/AAAAA|AAAAA/AAAAA|AAAAA/AAAAA|AAAAA/AAAABBAAAA/AAAABBAAAA/"
+      "AAAAAAAAAA/AAAAAAAAAA/AAAAAAAAAA/AAAAAAAAAA",
+      canvas);
+  Begun s(d, many_sides(0.04));
+  s.search->remove_arches();
+  ASSERT_EQ(s.search->layout().patches.size(), 2u) << "without the slit";
+  s.search->leave_darts();
+  expect_viable(*s.search, 0.04, 20);
+  EXPECT_EQ(s.search->layout().patches.size(), 1u);
+  EXPECT_EQ(tips(d.mesh, s.network()), std::vector<int>{d.vertex_at(5, 4)});
 }
+
+// ---- the verdict on one patch
 
 PatchVerdict verdict_of(const Drawing& d, const LayoutRules& rules) {
   SearchBed bed(d.mesh);
