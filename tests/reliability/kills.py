@@ -154,6 +154,7 @@ def failing_syncs(figures, long, rng):
             total += len(acknowledged)
         if long and not fired:
             break
+    expect(ended.get(74, 0) > 0, f"no failed sync ended the server, it went on after those of {lived_on}")
     figures.put(syncs_tried=number, ended=str(ended), lived_on=str(lived_on), acknowledged=total)
 
 
