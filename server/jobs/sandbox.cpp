@@ -39,15 +39,6 @@ void offer_to_oom_killer() {
   if (file.valid() && ::write(file.get(), "1000", 4) != 4) return;  // not allowed here: no harm
 }
 
-/// Threads of the server that wake up take the processor from this process at once, as if it were idle; a low
-/// priority alone lets it finish its turn of milliseconds first. Only processes of the same group (container,
-/// unit, session) come before it, so that what else the machine does cannot starve it. Where it is refused,
-/// the low priority remains.
-void only_spare_time() {
-  const sched_param none{};
-  ::sched_setscheduler(0, SCHED_IDLE, &none);
-}
-
 constexpr std::uint64_t kWriting = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_READ_FILE |
                                    LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
 /// Every right of the first version of Landlock.
@@ -223,7 +214,6 @@ void lower_process(const SandboxLimits& limits) {
   if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.cpu_seconds));
   ::signal(SIGXFSZ, SIG_IGN);  // writes past the limit fail with EFBIG instead
   ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + (limits.awaited ? 5 : 10));
-  if (!limits.awaited) only_spare_time();
   constexpr int kBestEffort = 2 << 13;
   ::syscall(SYS_ioprio_set, 1, 0, kBestEffort | 7);
   offer_to_oom_killer();

@@ -3,7 +3,6 @@ import base64
 import hashlib
 import io
 import json
-import os
 import time
 import urllib.parse
 import zipfile
@@ -51,15 +50,6 @@ class RealPipeline(ServerCase):
         job = self.server.submit(arc(), name="arc.obj", target_size=500)
         self.assertAlmostEqual(max(job["inputs"]["mesh"]["sizeMm"]), 500, places=6)
         self.server.request("DELETE", f"/api/v1/jobs/{job['jobID']}")
-
-    def test_jobs_run_in_spare_time_only(self):
-        job = self.server.submit(arc(60, 60), name="a.obj", e_max=0.0001)["jobID"]
-
-        def policies():
-            return [os.sched_getscheduler(pid) for pid in self.server.children()]
-        self.server.until("a process of a job has the policy for spare time", lambda: os.SCHED_IDLE in policies())
-        self.assertEqual(os.sched_getscheduler(self.server.process.pid), os.SCHED_OTHER)
-        self.server.request("DELETE", f"/api/v1/jobs/{job}")
 
     def test_sandbox_of_the_real_worker_refuses_everything(self):
         sandbox = self.server.get("/version").json()["sandbox"]
