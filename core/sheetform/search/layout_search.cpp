@@ -24,6 +24,10 @@ std::vector<double> face_gauss(const SearchSurface& surface) {
   return gauss;
 }
 
+LayoutRules layout_rules(const EvaluationParams& params) {
+  return {params.self_seams, params.self_seams && params.t_junctions};
+}
+
 }  // namespace
 
 LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph,
@@ -37,7 +41,7 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
       context_(context),
       distance_(graph, 1.0),
       evaluator_(std::make_shared<LayoutEvaluator>(surface_, params_.evaluation, context)),
-      rules_{params.evaluation.self_seams, params.evaluation.self_seams && params.evaluation.t_junctions},
+      rules_(layout_rules(params.evaluation)),
       edge_length_(mean_edge_length(surface.mesh)),
       rest_(surface.mesh.points),
       face_gauss_(std::make_shared<const std::vector<double>>(face_gauss(surface))) {}
@@ -53,7 +57,7 @@ LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const Search
       distance_(graph_, 1.0),
       evaluator_(
           std::make_shared<LayoutEvaluator>(surface_, params_.evaluation, context_, before.evaluator_.get())),
-      rules_{params.evaluation.self_seams, params.evaluation.self_seams && params.evaluation.t_junctions},
+      rules_(layout_rules(params.evaluation)),
       edge_length_(before.edge_length_),
       last_version_(before.last_version_),
       rest_(before.rest_),

@@ -38,20 +38,6 @@ std::vector<int> tips(const SurfaceMesh& mesh, const PathNetwork& network) {
   return found;
 }
 
-int inner_edges(const SurfaceMesh& mesh, const PathNetwork& network) {
-  int n = 0;
-  for (int e = 0; e < mesh.edge_count(); ++e) n += network.used(e) && !mesh.edges[e].border();
-  return n;
-}
-
-void expect_viable(LayoutSearch& search, double e_max, std::size_t sides = 6) {
-  for (const Patch& p : search.layout().patches) EXPECT_EQ(p.defect, TopologyDefect::kNone);
-  const LayoutEvaluation& e = search.evaluation();
-  EXPECT_EQ(e.failing, 0);
-  EXPECT_LE(e.max_error, e_max);
-  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), sides);
-}
-
 void reduce(LayoutSearch& search) {
   search.insert();
   search.remove_paths();

@@ -1,5 +1,7 @@
 // Drawings and shapes as the search sees them.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <memory>
 #include <string>
 
@@ -49,6 +51,22 @@ inline shapes::Canvas bent(double arc, int steps = 6, double cell = 0.2) {
     return Vector3(radius * std::cos(arc * x), radius * std::sin(arc * x), cell * y);
   };
   return canvas;
+}
+
+/// Network edges inside of the surface.
+inline int inner_edges(const SurfaceMesh& mesh, const PathNetwork& network) {
+  int n = 0;
+  for (int e = 0; e < mesh.edge_count(); ++e) n += network.used(e) && !mesh.edges[e].border();
+  return n;
+}
+
+/// Every patch fits, alone and with its neighbours.
+inline void expect_viable(LayoutSearch& search, double e_max, std::size_t sides = 6) {
+  for (const Patch& p : search.layout().patches) EXPECT_EQ(p.defect, TopologyDefect::kNone);
+  const LayoutEvaluation& e = search.evaluation();
+  EXPECT_EQ(e.failing, 0);
+  EXPECT_LE(e.max_error, e_max);
+  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), sides);
 }
 
 /// Evaluation parameters for shapes of about the size 1.

@@ -11,21 +11,6 @@
 namespace sheetform {
 namespace {
 
-int interior_length_edges(const PathNetwork& network, const SurfaceMesh& mesh) {
-  int n = 0;
-  for (int e = 0; e < mesh.edge_count(); ++e) n += network.used(e) && !mesh.edges[e].border();
-  return n;
-}
-
-void expect_viable(LayoutSearch& search, double e_max) {
-  const PatchLayout& layout = search.layout();
-  for (const Patch& p : layout.patches) EXPECT_EQ(p.defect, TopologyDefect::kNone);
-  const LayoutEvaluation& e = search.evaluation();
-  EXPECT_EQ(e.failing, 0);
-  EXPECT_LE(e.max_error, e_max);
-  for (const auto& p : e.patches) EXPECT_LE(p->corners.size(), 6u);
-}
-
 // No network vertex inside of the surface with one edge only.
 void expect_no_loose_ends(const LayoutSearch& search, const SurfaceMesh& mesh) {
   for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -49,12 +34,12 @@ TEST_P(WholeSearch, InsertsUntilViableThenRemovesAndStaysSo) {
   expect_viable(search, c.e_max);
   expect_no_loose_ends(search, s.bed.surface.mesh);
   const std::size_t inserted = search.layout().patches.size();
-  const int edges = interior_length_edges(search.network().network(), s.bed.surface.mesh);
+  const int edges = inner_edges(s.bed.surface.mesh, search.network().network());
   search.remove_paths();
   expect_viable(search, c.e_max);
   const std::size_t after_paths = search.layout().patches.size();
   EXPECT_LE(after_paths, inserted);
-  EXPECT_LE(interior_length_edges(search.network().network(), s.bed.surface.mesh), edges);
+  EXPECT_LE(inner_edges(s.bed.surface.mesh, search.network().network()), edges);
   search.remove_arches();
   expect_viable(search, c.e_max);
   expect_no_loose_ends(search, s.bed.surface.mesh);
