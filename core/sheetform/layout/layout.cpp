@@ -39,7 +39,7 @@ class Extractor {
     out_.node.assign(mesh_.points.size(), 0);
     out_.face_patch.assign(mesh_.faces.size(), -1);
     out_.edge_arch.assign(mesh_.edges.size(), -1);
-    std::sort(faces.begin(), faces.end());
+    if (!std::is_sorted(faces.begin(), faces.end())) std::sort(faces.begin(), faces.end());
     for (int f : faces) flood(f);
     outline_.resize(out_.patches.size());
     for (int f : faces) collect(f);
@@ -66,10 +66,10 @@ class Extractor {
     while (!stack.empty()) {
       const int f = stack.back();
       stack.pop_back();
-      for (int e : mesh_.face_edges[f]) {
-        if (net_.used(e)) continue;
-        const int g = mesh_.edges[e].other_face(f);
-        if (g >= 0 && out_.face_patch[g] < 0) out_.face_patch[g] = id, stack.push_back(g);
+      for (int k = 0; k < 3; ++k) {
+        const int g = mesh_.face_neighbours[f][k];
+        if (g >= 0 && out_.face_patch[g] < 0 && !net_.used(mesh_.face_edges[f][k]))
+          out_.face_patch[g] = id, stack.push_back(g);
       }
     }
   }
@@ -375,9 +375,11 @@ std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& net
     for (int e : mesh.face_edges[f])
       if (network.used(e)) take(mesh.edges[e].other_face(f));
   for (std::size_t i = faces.size(); i < all.size(); ++i)
-    for (int e : mesh.face_edges[all[i]])
-      if (!network.used(e)) take(mesh.edges[e].other_face(all[i]));
-  std::sort(all.begin(), all.end());
+    for (int k = 0; k < 3; ++k)
+      if (!network.used(mesh.face_edges[all[i]][k])) take(mesh.face_neighbours[all[i]][k]);
+  all.clear();
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (taken[f]) all.push_back(f);
   return all;
 }
 

@@ -45,6 +45,7 @@ std::vector<Side> sorted_sides(const std::vector<std::array<int, 3>>& faces, std
 void build_edges(SurfaceMesh& mesh) {
   const auto sides = sorted_sides(mesh.faces, mesh.points.size());
   mesh.face_edges.assign(mesh.faces.size(), {-1, -1, -1});
+  mesh.face_neighbours = mesh.face_edges;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t j = i;
     while (j < sides.size() && sides[j].v0 == sides[i].v0 && sides[j].v1 == sides[i].v1) ++j;
@@ -55,7 +56,10 @@ void build_edges(SurfaceMesh& mesh) {
       fail("two neighbours are oriented oppositely", where);
     const int e = mesh.edge_count();
     mesh.edges.push_back({sides[i].v0, sides[i].v1, sides[i].face, j - i == 2 ? sides[i + 1].face : -1});
-    for (std::size_t s = i; s < j; ++s) mesh.face_edges[sides[s].face][sides[s].corner] = e;
+    for (std::size_t s = i; s < j; ++s) {
+      mesh.face_edges[sides[s].face][sides[s].corner] = e;
+      mesh.face_neighbours[sides[s].face][sides[s].corner] = mesh.edges[e].other_face(sides[s].face);
+    }
     i = j;
   }
 }

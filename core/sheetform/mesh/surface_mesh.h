@@ -31,8 +31,9 @@ struct SurfaceMesh {
 
   std::vector<Vector3> points;
   std::vector<std::array<int, 3>> faces;
-  std::vector<Edge> edges;                     ///< sorted by (v0, v1)
-  std::vector<std::array<int, 3>> face_edges;  ///< face_edges[f][k] joins corners k and (k+1)%3 of f
+  std::vector<Edge> edges;                          ///< sorted by (v0, v1)
+  std::vector<std::array<int, 3>> face_edges;       ///< face_edges[f][k] joins corners k and (k+1)%3 of f
+  std::vector<std::array<int, 3>> face_neighbours;  ///< beyond these edges, -1 on the border
   std::vector<int>
       ring_begin;  ///< CSR: edges at v, counter-clockwise; from border edge to border edge at the border
   std::vector<int> ring_edges;

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 
@@ -10,7 +11,7 @@ namespace sheetform {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-using Triplets = std::vector<Eigen::Triplet<double>>;
+using Rows2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;  // a place in the plane per row
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostChange = 0.8;  // of a length of the outline
 
@@ -30,37 +31,44 @@ struct Corners {  // union-find over the 3F corners of a patch
 
 int corner_at(const std::array<int, 3>& face, int v) { return face[0] == v ? 0 : face[1] == v ? 1 : 2; }
 
-// Local vertices: corners joined across inner edges.
-void cut_open(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch, PatchChart& chart) {
+// Local vertices: corners joined across inner edges. Returns for side k of the i-th triangle, which joins its
+// corners k and k + 1, the side of the other one there, as 3 i + k; -1 on the outline.
+std::vector<int> cut_open(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                          PatchChart& chart) {
   const int n = static_cast<int>(patch.faces.size());
   Corners corners;
   corners.parent.resize(3 * n);
   std::iota(corners.parent.begin(), corners.parent.end(), 0);
-  auto local_face = [&](int f) {
-    return static_cast<int>(std::lower_bound(patch.faces.begin(), patch.faces.end(), f) -
-                            patch.faces.begin());
-  };
+  std::vector<int> local_face(mesh.faces.size());
+  for (int i = 0; i < n; ++i) local_face[patch.faces[i]] = i;
+  std::vector<char> outline(mesh.points.size(), 0);  // what lies inside has one place
+  for (const ArchUse& use : patch.boundary)
+    for (int v : layout.arches[use.arch].vertices) outline[v] = 1;
+  std::vector<int> mate(3 * n, -1);
   for (int i = 0; i < n; ++i) {
     const int f = patch.faces[i];
     for (int k = 0; k < 3; ++k) {
       const int e = mesh.face_edges[f][k];
       if (layout.edge_arch[e] >= 0) continue;
-      const int g = mesh.edges[e].other_face(f);
+      const int g = mesh.face_neighbours[f][k];
       if (g < f) continue;
-      const int j = local_face(g), a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
-      corners.join(3 * i + k, 3 * j + corner_at(mesh.faces[g], a));
-      corners.join(3 * i + (k + 1) % 3, 3 * j + corner_at(mesh.faces[g], b));
+      const int v = mesh.faces[f][k], w = mesh.faces[f][(k + 1) % 3];
+      const int j = local_face[g], b = corner_at(mesh.faces[g], w);
+      mate[3 * i + k] = 3 * j + b, mate[3 * j + b] = 3 * i + k;
+      if (outline[v]) corners.join(3 * i + k, 3 * j + (b + 1) % 3);
+      if (outline[w]) corners.join(3 * i + (k + 1) % 3, 3 * j + b);
     }
   }
-  std::vector<int> id(3 * n, -1);
+  std::vector<int> by_corner(3 * n, -1), by_vertex(mesh.points.size(), -1);
   chart.triangles.resize(n);
   for (int c = 0; c < 3 * n; ++c) {
-    const int root = corners.find(c);
-    if (id[root] < 0) {
-      id[root] = static_cast<int>(chart.vertices.size());
-      chart.vertices.push_back(mesh.faces[patch.faces[c / 3]][c % 3]);
+    const int v = mesh.faces[patch.faces[c / 3]][c % 3];
+    int& id = outline[v] ? by_corner[corners.find(c)] : by_vertex[v];
+    if (id < 0) {
+      id = static_cast<int>(chart.vertices.size());
+      chart.vertices.push_back(v);
     }
-    chart.triangles[c / 3][c % 3] = id[root];
+    chart.triangles[c / 3][c % 3] = id;
   }
   for (const ArchUse& use : patch.boundary) {
     const Arch& arch = layout.arches[use.arch];
@@ -74,13 +82,14 @@ void cut_open(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& p
         if (f < 0) continue;
         const int k = corner_at(mesh.faces[f], a);
         if (mesh.faces[f][(k + 1) % 3] != b) continue;
-        const auto& t = chart.triangles[local_face(f)];
+        const auto& t = chart.triangles[local_face[f]];
         if (line.empty()) line.push_back(t[k]);
         line.push_back(t[(k + 1) % 3]);
       }
     }
     chart.boundary.push_back(std::move(line));
   }
+  return mate;
 }
 
 struct RestTriangle {
@@ -109,31 +118,92 @@ std::vector<RestTriangle> rest_triangles(const SurfaceMesh& mesh, const Patch& p
 // Places of the local vertices in the order of elimination.
 std::vector<int> elimination_order(const ChartParams& params, const PatchChart& chart) {
   const int n = static_cast<int>(chart.vertices.size());
-  std::vector<int> order(n), place(n);
-  std::iota(order.begin(), order.end(), 0);
-  if (params.elimination_rank != nullptr)
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-      const int ra = (*params.elimination_rank)[chart.vertices[a]],
-                rb = (*params.elimination_rank)[chart.vertices[b]];
-      return ra != rb ? ra < rb : a < b;
-    });
-  for (int i = 0; i < n; ++i) place[order[i]] = i;
+  std::vector<std::uint64_t> order(n);  // rank, then vertex
+  for (int v = 0; v < n; ++v) {
+    const int rank = params.elimination_rank != nullptr ? (*params.elimination_rank)[chart.vertices[v]] : 0;
+    order[v] = static_cast<std::uint64_t>(rank) << 32 | static_cast<unsigned>(v);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<int> place(n);
+  for (int i = 0; i < n; ++i) place[order[i] & 0xffffffffu] = i;
   return place;
 }
 
-// Factorises in the order given.
-class Solver {
- public:
-  Solver(int n, const Triplets& triplets) {
-    Sparse matrix(n, n);
-    matrix.setFromTriplets(triplets.begin(), triplets.end());
-    ldlt_.compute(matrix);
-  }
-  Eigen::MatrixX2d solve(const Eigen::MatrixX2d& rhs) const { return ldlt_.solve(rhs); }
-
- private:
-  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+// A side of one or two triangles, with the sum of their cotangents.
+struct ChartEdge {
+  int a, b;  // local vertices
+  double weight;
 };
+
+std::vector<ChartEdge> chart_edges(const PatchChart& chart, const std::vector<RestTriangle>& rest,
+                                   const std::vector<int>& mate) {
+  std::vector<ChartEdge> edges;
+  edges.reserve(2 * rest.size());
+  const auto weight = [&](int side) { return rest[side / 3].cot[(side % 3 + 2) % 3]; };
+  for (int side = 0; side < static_cast<int>(mate.size()); ++side) {
+    const int other = mate[side], i = side / 3, k = side % 3;
+    if (other > side) continue;  // counted there
+    edges.push_back({chart.triangles[i][k], chart.triangles[i][(k + 1) % 3],
+                     weight(side) + (other >= 0 ? weight(other) : 0)});
+  }
+  return edges;
+}
+
+// Factorises a symmetric matrix in the order of its rows, given as its upper triangle: Eigen's own compute()
+// copies the matrix three times before it comes to that.
+class Solver : private Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> {
+ public:
+  void factorise(const Sparse& upper) {
+    analyzePattern_preordered(upper, true);
+    factorize_preordered<true>(upper);
+  }
+
+  // In place, both columns in one pass.
+  void solve(Rows2& x) const {
+    const int n = static_cast<int>(x.rows());
+    const int *begin = m_matrix.outerIndexPtr(), *row = m_matrix.innerIndexPtr();
+    const double* value = m_matrix.valuePtr();
+    for (int j = 0; j < n; ++j) {
+      const Eigen::RowVector2d at = x.row(j);
+      for (int k = begin[j]; k < begin[j + 1]; ++k) x.row(row[k]) -= value[k] * at;
+    }
+    for (int j = n - 1; j >= 0; --j) {
+      Eigen::RowVector2d at = x.row(j) / m_diag[j];
+      for (int k = begin[j]; k < begin[j + 1]; ++k) at -= value[k] * x.row(row[k]);
+      x.row(j) = at;
+    }
+  }
+};
+
+// The matrix with the sum of weights at each vertex on the diagonal and minus the weights beside it, over the
+// vertices that have a row (row[v] >= 0); `pin` is added to the last diagonal entry.
+Sparse upper_laplacian(int rows, const std::vector<int>& row, const std::vector<ChartEdge>& edges,
+                       double pin) {
+  Sparse upper(rows, rows);
+  std::vector<double> diagonal(rows, 0);
+  Eigen::VectorXi size = Eigen::VectorXi::Ones(rows);
+  for (const ChartEdge& e : edges) {
+    const int a = row[e.a], b = row[e.b];
+    if (a >= 0) diagonal[a] += e.weight;
+    if (b >= 0) diagonal[b] += e.weight;
+    if (a >= 0 && b >= 0) ++size[std::max(a, b)];
+  }
+  if (rows > 0) diagonal[rows - 1] += pin;
+  upper.resizeNonZeros(size.sum());
+  int* begin = upper.outerIndexPtr();
+  std::vector<int> next(rows);
+  for (int c = 0, at = 0; c < rows; ++c) begin[c] = next[c] = at, at += size[c];
+  begin[rows] = size.sum();
+  const auto put = [&](int r, int c, double value) {
+    const int at = next[c]++;
+    upper.innerIndexPtr()[at] = r, upper.valuePtr()[at] = value;
+  };
+  for (const ChartEdge& e : edges)
+    if (const int a = row[e.a], b = row[e.b]; a >= 0 && b >= 0)
+      put(std::min(a, b), std::max(a, b), -e.weight);
+  for (int c = 0; c < rows; ++c) put(c, c, diagonal[c]);
+  return upper;
+}
 
 std::vector<int> outline_of(const PatchChart& chart) {
   std::vector<int> loop;
@@ -145,72 +215,57 @@ std::vector<int> outline_of(const PatchChart& chart) {
 // The cotangent Laplacian of the patch with its inner vertices eliminated.
 class InnerSolver {
  public:
-  InnerSolver(const std::vector<RestTriangle>& rest, const std::vector<int>& place,
-              const std::vector<int>& loop, const PatchChart& chart)
-      : rest_(rest), chart_(chart), inner_(chart.vertices.size(), -1) {
+  InnerSolver(const std::vector<ChartEdge>& edges, const std::vector<int>& place,
+              const std::vector<int>& loop)
+      : edges_(edges), inner_(place.size(), -1) {
     std::vector<char> on_loop(inner_.size(), 0);
     std::vector<int> order(inner_.size());
     for (int v : loop) on_loop[v] = 1;
     for (std::size_t v = 0; v < order.size(); ++v) order[place[v]] = static_cast<int>(v);
     for (int v : order)
       if (!on_loop[v]) inner_[v] = count_++;
-    if (count_ == 0) return;
-    Triplets triplets;
-    each_edge([&](int a, int b, double w) {
-      if (inner_[a] < 0) return;
-      triplets.emplace_back(inner_[a], inner_[a], w);
-      if (inner_[b] >= 0 && inner_[a] > inner_[b]) triplets.emplace_back(inner_[a], inner_[b], -w);
-    });
-    solver_.emplace(count_, triplets);
+    if (count_ > 0) solver_.factorise(upper_laplacian(count_, inner_, edges, 0));
   }
 
   // Fills in the inner entries so that the Laplacian of x is `load` there; x is given on the outline.
-  void solve(const Eigen::MatrixX2d& load, Eigen::MatrixX2d& x) const {
+  void solve(const Rows2& load, Rows2& x) const {
     if (count_ == 0) return;
-    Eigen::MatrixX2d rhs(count_, 2);
+    Rows2 inside(count_, 2);
     for (std::size_t v = 0; v < inner_.size(); ++v)
-      if (inner_[v] >= 0) rhs.row(inner_[v]) = load.row(static_cast<int>(v));
-    each_edge([&](int a, int b, double w) {
-      if (inner_[a] >= 0 && inner_[b] < 0) rhs.row(inner_[a]) += w * x.row(b);
-    });
-    const Eigen::MatrixX2d inside = solver_->solve(rhs);
+      if (inner_[v] >= 0) inside.row(inner_[v]) = load.row(static_cast<int>(v));
+    for (const ChartEdge& e : edges_) {
+      if (inner_[e.a] >= 0 && inner_[e.b] < 0) inside.row(inner_[e.a]) += e.weight * x.row(e.b);
+      if (inner_[e.b] >= 0 && inner_[e.a] < 0) inside.row(inner_[e.b]) += e.weight * x.row(e.a);
+    }
+    solver_.solve(inside);
     for (std::size_t v = 0; v < inner_.size(); ++v)
       if (inner_[v] >= 0) x.row(static_cast<int>(v)) = inside.row(inner_[v]);
   }
 
   // The Laplacian of x.
-  Eigen::MatrixX2d laplacian(const Eigen::MatrixX2d& x) const {
-    Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(x.rows(), 2);
-    each_edge([&](int a, int b, double w) { out.row(a) += w * (x.row(a) - x.row(b)); });
+  Rows2 laplacian(const Rows2& x) const {
+    Rows2 out = Rows2::Zero(x.rows(), 2);
+    for (const ChartEdge& e : edges_) {
+      const Eigen::RowVector2d flow = e.weight * (x.row(e.a) - x.row(e.b));
+      out.row(e.a) += flow, out.row(e.b) -= flow;
+    }
     return out;
   }
 
  private:
-  // Every side of every triangle, both ways: visit(from, to, weight).
-  template <class Visit>
-  void each_edge(const Visit& visit) const {
-    for (std::size_t i = 0; i < rest_.size(); ++i)
-      for (int k = 0; k < 3; ++k) {
-        const int a = chart_.triangles[i][(k + 1) % 3], b = chart_.triangles[i][(k + 2) % 3];
-        visit(a, b, rest_[i].cot[k]);
-        visit(b, a, rest_[i].cot[k]);
-      }
-  }
-
-  const std::vector<RestTriangle>& rest_;
-  const PatchChart& chart_;
+  const std::vector<ChartEdge>& edges_;
   std::vector<int> inner_;  // per local vertex: row, -1 on the outline
   int count_ = 0;
-  std::optional<Solver> solver_;
+  Solver solver_;
 };
 
 // The outline on a circle: with it the inner points never fold over (Tutte).
-Eigen::MatrixX2d round_outline(const std::vector<RestTriangle>& rest, const std::vector<int>& loop,
-                               std::size_t vertices) {
+Rows2 round_outline(const std::vector<RestTriangle>& rest, const std::vector<int>& loop,
+                    std::size_t vertices) {
   double area = 0;
   for (const auto& r : rest) area += r.area;
   const double radius = std::sqrt(area / kPi), step = 2 * kPi / static_cast<double>(loop.size());
-  Eigen::MatrixX2d outline = Eigen::MatrixX2d::Zero(static_cast<int>(vertices), 2);
+  Rows2 outline = Rows2::Zero(static_cast<int>(vertices), 2);
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const double angle = step * static_cast<double>(i);
     outline.row(loop[i]) = radius * Vector2(std::cos(angle), std::sin(angle)).transpose();
@@ -221,23 +276,25 @@ Eigen::MatrixX2d round_outline(const std::vector<RestTriangle>& rest, const std:
 // The conformal outline that keeps its lengths (Sawhney and Crane 2017, "Boundary First Flattening"), exact
 // where the patch is developable: angles follow from a Poisson problem, lengths change as little as closing
 // takes. Nothing where they would have to change by much.
-std::optional<Eigen::MatrixX2d> unrolled_outline(const SurfaceMesh& mesh, const InnerSolver& inner,
-                                                 const std::vector<RestTriangle>& rest,
-                                                 const PatchChart& chart, const std::vector<int>& loop) {
+std::optional<Rows2> unrolled_outline(const SurfaceMesh& mesh, const InnerSolver& inner,
+                                      const std::vector<RestTriangle>& rest, const PatchChart& chart,
+                                      const std::vector<int>& loop) {
   const auto vertices = static_cast<int>(chart.vertices.size());
   std::vector<char> on_loop(vertices, 0);
   for (int v : loop) on_loop[v] = 1;
-  Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(vertices, 2), u = load;
+  Rows2 load = Rows2::Zero(vertices, 2), u = load;
   std::vector<double> angle(vertices, 0);
-  for (std::size_t i = 0; i < rest.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const Vector2 a = rest[i].p[(k + 1) % 3] - rest[i].p[k], b = rest[i].p[(k + 2) % 3] - rest[i].p[k];
-      angle[chart.triangles[i][k]] += std::atan2(cross(a, b), a.dot(b));
-    }
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Vector2 &x = rest[i].p[1], &y = rest[i].p[2], z = y - x;
+    const double at_first = std::atan2(cross(x, y), x.dot(y)), at_second = std::atan2(cross(x, z), -x.dot(z));
+    angle[chart.triangles[i][0]] += at_first;
+    angle[chart.triangles[i][1]] += at_second;
+    angle[chart.triangles[i][2]] += kPi - at_first - at_second;
+  }
   for (int v = 0; v < vertices; ++v)
     if (!on_loop[v]) load(v, 0) = angle[v] - 2 * kPi;
   inner.solve(load, u);
-  const Eigen::MatrixX2d flux = inner.laplacian(u);
+  const Rows2 flux = inner.laplacian(u);
 
   const std::size_t n = loop.size();
   std::vector<double> length(n);
@@ -255,7 +312,7 @@ std::optional<Eigen::MatrixX2d> unrolled_outline(const SurfaceMesh& mesh, const 
     gap += length[i] * along[i];
   }
   const Vector2 pull = spread.inverse() * gap;
-  Eigen::MatrixX2d outline = Eigen::MatrixX2d::Zero(vertices, 2);
+  Rows2 outline = Rows2::Zero(vertices, 2);
   Vector2 at = Vector2::Zero();
   for (std::size_t i = 0; i < n; ++i) {
     const double keep = 1 - along[i].dot(pull);
@@ -266,58 +323,62 @@ std::optional<Eigen::MatrixX2d> unrolled_outline(const SurfaceMesh& mesh, const 
   return outline;
 }
 
-// One local step: rotations and the right-hand side; returns the energy of the current map.
-double local_step(const std::vector<RestTriangle>& rest, const PatchChart& chart,
-                  const std::vector<int>& place, Eigen::MatrixX2d& rhs) {
+// What a triangle of the rest state says in every local step.
+struct RestStep {
+  std::array<int, 3> row;     // of its corners
+  std::array<Vector2, 3> by;  // sides opposite of them, times their cotangents
+};
+
+// One local step: rotations and the right-hand side; returns the energy of the current map, but for the part
+// that does not change.
+double local_step(const std::vector<RestStep>& steps, const std::vector<RestTriangle>& rest, const Rows2& x,
+                  Rows2& rhs) {
   rhs.setZero();
   double energy = 0;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const auto& t = chart.triangles[i];
-    const RestTriangle& r = rest[i];
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto& [row, by] = steps[i];
+    const Vector2 at[3] = {x.row(row[0]), x.row(row[1]), x.row(row[2])};
     double a = 0, b = 0;
     for (int k = 0; k < 3; ++k) {
-      const int p = (k + 1) % 3, q = (k + 2) % 3;
-      const Vector2 u = chart.uv[t[q]] - chart.uv[t[p]], x = r.p[q] - r.p[p];
-      a += r.cot[k] * u.dot(x);
-      b += r.cot[k] * (x.x() * u.y() - x.y() * u.x());
+      const Vector2 now = at[(k + 2) % 3] - at[(k + 1) % 3];
+      a += now.dot(by[k]), b += cross(by[k], now);
+      energy += rest[i].cot[k] * now.squaredNorm();
     }
     const double norm = std::max(std::sqrt(a * a + b * b), 1e-300);
+    energy -= 2 * norm;  // the best turn makes it that much less
     a /= norm, b /= norm;
-    for (int k = 0; k < 3; ++k) {
-      const int p = (k + 1) % 3, q = (k + 2) % 3;
-      const Vector2 x = r.p[q] - r.p[p], turned(a * x.x() - b * x.y(), b * x.x() + a * x.y());
-      energy += r.cot[k] * (chart.uv[t[q]] - chart.uv[t[p]] - turned).squaredNorm();
-      rhs.row(place[t[q]]) += r.cot[k] * turned.transpose();
-      rhs.row(place[t[p]]) -= r.cot[k] * turned.transpose();
-    }
+    Vector2 turned[3];
+    for (int k = 0; k < 3; ++k) turned[k] = {a * by[k].x() - b * by[k].y(), b * by[k].x() + a * by[k].y()};
+    for (int k = 0; k < 3; ++k) rhs.row(row[k]) += (turned[(k + 1) % 3] - turned[(k + 2) % 3]).transpose();
   }
   return energy;
 }
 
+// From the map given, per local vertex.
 void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
-          PatchChart& chart) {
+          const Solver& solver, const Rows2& start, PatchChart& chart) {
   const int n = static_cast<int>(place.size());
-  Triplets triplets;
-  triplets.reserve(9 * rest.size() + 1);
+  std::vector<RestStep> steps(rest.size());
+  double at_rest = 0;
   for (std::size_t i = 0; i < rest.size(); ++i)
     for (int k = 0; k < 3; ++k) {
-      const int a = place[chart.triangles[i][(k + 1) % 3]], b = place[chart.triangles[i][(k + 2) % 3]];
-      const double w = rest[i].cot[k];
-      triplets.emplace_back(a, a, w), triplets.emplace_back(b, b, w);
-      triplets.emplace_back(std::max(a, b), std::min(a, b), -w);
+      const Vector2 side = rest[i].p[(k + 2) % 3] - rest[i].p[(k + 1) % 3];
+      steps[i].row[k] = place[chart.triangles[i][k]], steps[i].by[k] = rest[i].cot[k] * side;
+      at_rest += steps[i].by[k].dot(side);
     }
-  triplets.emplace_back(place[0], place[0], 1.0);  // pins vertex 0, the only freedom left
-  const Solver solver(n, triplets);
-  Eigen::MatrixX2d rhs(n, 2), x;
+  Rows2 x(n, 2), rhs(n, 2);
+  for (int v = 0; v < n; ++v) x.row(place[v]) = start.row(v);
   double last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
-    const double energy = local_step(rest, chart, place, rhs);
+    const double energy = at_rest + local_step(steps, rest, x, rhs);
     if (it > 0 && last - energy < params.stop * last) break;
     last = energy;
-    rhs.row(place[0]) += chart.uv[0].transpose();
-    x = solver.solve(rhs);
-    for (int v = 0; v < n; ++v) chart.uv[v] = x.row(place[v]);
+    rhs.row(n - 1) += x.row(n - 1);  // pinned: the only freedom left
+    x.swap(rhs);
+    solver.solve(x);
   }
+  chart.uv.resize(n);
+  for (int v = 0; v < n; ++v) chart.uv[v] = x.row(place[v]);
 }
 
 void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
@@ -325,16 +386,14 @@ void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const auto& t = chart.triangles[i];
     const RestTriangle& r = rest[i];
-    Eigen::Matrix2d from, to;
-    from << r.p[1], r.p[2];
-    to << chart.uv[t[1]] - chart.uv[t[0]], chart.uv[t[2]] - chart.uv[t[0]];
+    const Vector2 one = chart.uv[t[1]] - chart.uv[t[0]], other = chart.uv[t[2]] - chart.uv[t[0]];
     area += r.area;
-    if (to.determinant() <= 0) folded += r.area;
-    if (from.determinant() < 1e-14) continue;
-    const Eigen::Matrix2d j = to * from.inverse();
+    if (cross(one, other) <= 0) folded += r.area;
+    if (r.area < 5e-15) continue;
+    const Vector2 along = one / r.p[1].x(), across = (other - r.p[2].x() * along) / r.p[2].y();
     // |J|^2 - 2 (s1 + s2) + 2, with s1 + s2 = sqrt(|J|^2 + 2 |det J|)
-    const double frob = j.squaredNorm();
-    distortion += r.area * (frob - 2 * std::sqrt(std::max(0.0, frob + 2 * std::abs(j.determinant()))) + 2);
+    const double frob = along.squaredNorm() + across.squaredNorm();
+    distortion += r.area * (frob - 2 * std::sqrt(frob + 2 * std::abs(cross(along, across))) + 2);
   }
   chart.folded = folded / std::max(area, 1e-300);
   chart.distortion = distortion / std::max(area, 1e-300);
@@ -344,7 +403,7 @@ void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
 
 std::vector<int> elimination_rank(const SurfaceMesh& mesh) {
   const int n = static_cast<int>(mesh.points.size());
-  Triplets triplets;
+  std::vector<Eigen::Triplet<double>> triplets;
   for (const auto& e : mesh.edges) triplets.emplace_back(e.v0, e.v1, 1), triplets.emplace_back(e.v1, e.v0, 1);
   for (int v = 0; v < n; ++v) triplets.emplace_back(v, v, 1);
   Sparse matrix(n, n);
@@ -359,16 +418,17 @@ std::vector<int> elimination_rank(const SurfaceMesh& mesh) {
 PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
                        const ChartParams& params) {
   PatchChart chart;
-  cut_open(mesh, layout, patch, chart);
+  const std::vector<int> mate = cut_open(mesh, layout, patch, chart);
   const auto rest = rest_triangles(mesh, patch);
+  const std::vector<ChartEdge> edges = chart_edges(chart, rest, mate);
   const std::vector<int> place = elimination_order(params, chart), loop = outline_of(chart);
-  const InnerSolver inner(rest, place, loop, chart);
-  const Eigen::MatrixX2d no_load = Eigen::MatrixX2d::Zero(static_cast<int>(chart.vertices.size()), 2);
-  const auto settle = [&](Eigen::MatrixX2d start) {
-    inner.solve(no_load, start);
-    chart.uv.resize(chart.vertices.size());
-    for (std::size_t v = 0; v < chart.uv.size(); ++v) chart.uv[v] = start.row(static_cast<int>(v));
-    arap(rest, params, place, chart);
+  const auto n = static_cast<int>(chart.vertices.size());
+  const InnerSolver inner(edges, place, loop);
+  Solver whole;
+  whole.factorise(upper_laplacian(n, place, edges, 1.0));
+  const auto settle = [&](Rows2 start) {
+    inner.solve(Rows2::Zero(n, 2), start);
+    arap(rest, params, place, whole, start, chart);
     measure(rest, chart);
   };
   const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop);

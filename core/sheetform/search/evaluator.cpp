@@ -80,16 +80,26 @@ std::vector<int> strip_cells(const ChartRaster& raster, const PatchPolygon& poly
                              const RulingSet& rulings) {
   std::vector<int> cells(static_cast<std::size_t>(raster.columns()) * raster.rows(), -1);
   const double step = raster.cell() * 0.7;
+  const auto steps = [&](const Vector2& side) {
+    return std::max(1, static_cast<int>(std::ceil(side.norm() / step)));
+  };
   for (std::size_t t = 0; t < rulings.triangles.size(); ++t) {
-    const auto& v = rulings.triangles[t];
+    std::array<int, 3> v = rulings.triangles[t];  // the shortest side last: most are long and thin
+    const auto side = [&](int k) { return polygon.uv[v[(k + 2) % 3]] - polygon.uv[v[(k + 1) % 3]]; };
+    int apex = 0;
+    for (int k : {1, 2})
+      if (side(k).squaredNorm() < side(apex).squaredNorm()) apex = k;
+    std::rotate(v.begin(), v.begin() + apex, v.end());
     const Vector2 &a = polygon.uv[v[0]], &b = polygon.uv[v[1]], &c = polygon.uv[v[2]];
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) {
-        const int cell = raster.cell_of(a + (b - a) * i / n + (c - a) * j / n);
+    const int n = std::max(steps(b - a), steps(c - a)), most = steps(c - b);
+    for (int i = 0; i <= n; ++i) {
+      const Vector2 from = a + (b - a) * i / n, across = (c - b) * i / n;
+      const int m = 1 + i * most / n;
+      for (int j = 0; j <= m; ++j) {
+        const int cell = raster.cell_of(from + across * j / m);
         if (cell >= 0 && cells[cell] < 0) cells[cell] = static_cast<int>(t);
       }
+    }
   }
   return cells;
 }
@@ -306,12 +316,12 @@ double point_triangle2(const Vector3& p, const Vector3& a, const Vector3& b, con
   return (ap - ab * (vb / sum) - ac * (vc / sum)).squaredNorm();
 }
 
-// From a surface point to the strips of its patch.
+// From a surface point to the strips of its patch; what is not above `least` need not be exact.
 double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& triangles,
-                 const std::vector<Vector3>& position) {
+                 const std::vector<Vector3>& position, double least) {
   const int n = static_cast<int>(triangles.size());
   double best = (s.at(position) - s.target).squaredNorm();
-  for (int t = 0; t < n; ++t)
+  for (int t = 0; t < n && best > least * least; ++t)
     best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]],
                                           position[triangles[t][2]]));
   return std::sqrt(best);
@@ -356,13 +366,13 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
   for (const MorphSample& s : samples) {
     const Vector3 x = s.at(position);
     double d = (x - s.target).norm();
-    if (d > limit) {
+    if (d > limit && d > worst) {
       if (!s.covers) {
         // The target lies on the working mesh, the input is a little off: hence the slack.
         const ClosestPoint hit = input.closest(x, (d + 2e-3) * (d + 2e-3));
         if (hit.face >= 0) d = std::min(d, std::sqrt(hit.squared_distance));
       } else {
-        d = to_strips(s, triangles, position);
+        d = to_strips(s, triangles, position, worst);
       }
     }
     if (d > worst) {

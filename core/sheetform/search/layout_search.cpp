@@ -264,8 +264,11 @@ std::vector<int> LayoutSearch::patches_beside(const std::vector<int>& edges) {
 
 std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
   std::vector<int> faces;
-  for (int p : patches)
+  for (int p : patches) {
+    const auto middle = static_cast<std::ptrdiff_t>(faces.size());
     faces.insert(faces.end(), layout_.patches[p].faces.begin(), layout_.patches[p].faces.end());
+    std::inplace_merge(faces.begin(), faces.begin() + middle, faces.end());
+  }
   return faces;
 }
 

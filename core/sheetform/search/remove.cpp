@@ -140,24 +140,33 @@ std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges, int tip) 
 }
 
 // Whether the two patches beside these edges become one with too many corners: tells without a chart, from
-// the angles that they have where they stay, and from the sum of both angles where the edges end.
+// the angles that they have where they stay, and from the sum of both angles where the edges end. A slit that
+// stays has a corner at its tip.
 bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges) {
-  if (beside.size() > 2) return false;  // what becomes of them may be more than one patch
-  std::unordered_map<int, std::vector<NodeTurn>> at_ends;
-  for (int e : edges) at_ends[surface_.mesh.edges[e].v0], at_ends[surface_.mesh.edges[e].v1];
+  if (beside.size() != 2) return false;  // what becomes of them may be more than one patch
+  const std::unordered_set<int> gone(edges.begin(), edges.end());
+  std::unordered_map<int, std::vector<double>> at_ends;  // by vertex
   int corners = 0;
-  for (int p : beside)
-    for (const NodeTurn& turn : evaluator_->patch(layout_, p)->turns) {
-      const auto end = at_ends.find(turn.vertex);
-      if (end == at_ends.end()) {
-        corners += std::abs(turn.angle) > turn.limit + kFirm;
-      } else {
-        end->second.push_back(turn);
-      }
+  for (int p : beside) {
+    const std::vector<ArchUse>& uses = layout_.patches[p].boundary;
+    const std::vector<NodeTurn>& turns = evaluator_->patch(layout_, p)->turns;
+    if (turns.size() != uses.size()) return false;
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const ArchUse &in = uses[(i + uses.size() - 1) % uses.size()], &out = uses[i];
+      const std::vector<int>&to = layout_.arches[in.arch].edges, &from = layout_.arches[out.arch].edges;
+      const bool in_goes = gone.count(in.forward ? to.back() : to.front()) > 0,
+                 out_goes = gone.count(out.forward ? from.front() : from.back()) > 0,
+                 out_ends = gone.count(out.forward ? from.back() : from.front()) > 0;
+      if (in_goes != out_goes)
+        at_ends[turns[i].vertex].push_back(turns[i].angle);
+      else if (!in_goes)
+        corners += std::abs(turns[i].angle) > turns[i].limit + kFirm;
+      if (p == beside[0] && out_goes != out_ends) ++corners;  // a tip
     }
-  for (const auto& [vertex, turns] : at_ends)
-    if (turns.size() == 2 && network_degree(surface_.mesh, network_.network(), vertex) > 2)
-      corners += std::abs(turns[0].angle + turns[1].angle - 180) > params_.evaluation.corner_turn + kFirm;
+  }
+  for (const auto& [vertex, angles] : at_ends)
+    if (angles.size() == 2 && network_degree(surface_.mesh, network_.network(), vertex) > 2)
+      corners += std::abs(angles[0] + angles[1] - 180) > params_.evaluation.corner_turn + kFirm;
   return corners > params_.evaluation.max_sides;
 }
 
