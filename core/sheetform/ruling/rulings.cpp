@@ -61,17 +61,19 @@ class StripSearch {
   bool neighbours(int i, int j) const { return j == (i + 1) % m_ || i == (j + 1) % m_; }
 
   ChordScore judge(int i, int j) const {
+    const ChordScore never{static_cast<float>(kForbidden), 0, 0};
+    if (forbidden_ != nullptr && (*forbidden_)(i, j)) return never;
     const Vector2 a = polygon_.uv[i], b = polygon_.uv[j], direction = b - a;
     const Vector3 &p = polygon_.point[i], &q = polygon_.point[j];
     std::array<Vector3, kSamples> d;
     double misaligned = 0;
-    int off = 0, first = -1, last = -1;
+    int first = -1, last = -1;
     for (int k = 0; k < kSamples; ++k) {
       const double t = (k + 1.0) / (kSamples + 1);
       const Vector2 u = a + t * direction;
       const int triangle = raster_.triangle_at(u);
       if (triangle < 0) {
-        ++off;
+        if (params_.keep_inside) return never;
         d[k].setZero();
         continue;
       }
@@ -80,8 +82,6 @@ class StripSearch {
       if (first < 0) first = triangle;
       last = triangle;
     }
-    if ((off > 0 && params_.keep_inside) || (forbidden_ != nullptr && (*forbidden_)(i, j)))
-      return {static_cast<float>(kForbidden), 0, 0};
     ChordScore s;
     s.error = static_cast<float>(half_sagitta(d));
     s.misalignment = static_cast<float>(misaligned / kSamples);
@@ -294,6 +294,7 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
   const Vector2 extent = (high - low_).cwiseMax(1e-9);
   cell_ = std::max(std::sqrt(extent.x() * extent.y() / cells),
                    std::max(extent.x(), extent.y()) / (4.0 * std::sqrt(cells)));
+  per_cell_ = 1 / cell_;
   low_ -= Vector2::Constant(2 * cell_);
   columns_ = static_cast<int>(extent.x() / cell_) + 5;
   rows_ = static_cast<int>(extent.y() / cell_) + 5;
@@ -319,14 +320,15 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
     const Vector3& d = guide.ruling_direction[patch.faces[i]];
     const Eigen::Matrix2d gram = map.jacobian.transpose() * map.jacobian;
     const Vector2 r = gram.inverse() * (map.jacobian.transpose() * d);
-    if (r.squaredNorm() > 1e-16 && std::isfinite(r.squaredNorm())) map.ruling = r.normalized();
+    const double squared = r.squaredNorm();
+    if (squared > 1e-16 && std::isfinite(squared)) map.ruling = r / std::sqrt(squared);
     // Mark the cells whose centre the triangle covers.
     const Vector2 a = map.uv, b = chart.uv[t[1]], c = chart.uv[t[2]];
     const Vector2 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
-    const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) / cell_ - 0.5)),
-              x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) / cell_ + 0.5));
-    const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) / cell_ - 0.5)),
-              y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) / cell_ + 0.5));
+    const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) * per_cell_ - 0.5)),
+              x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) * per_cell_ + 0.5));
+    const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) * per_cell_ - 0.5)),
+              y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) * per_cell_ + 0.5));
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const Vector2 p = low_ + cell_ * Vector2(x + 0.5, y + 0.5);
@@ -349,8 +351,8 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
 }
 
 int ChartRaster::cell_of(const Vector2& u) const {
-  const int x = static_cast<int>((u.x() - low_.x()) / cell_),
-            y = static_cast<int>((u.y() - low_.y()) / cell_);
+  const int x = static_cast<int>((u.x() - low_.x()) * per_cell_),
+            y = static_cast<int>((u.y() - low_.y()) * per_cell_);
   if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return -1;
   return y * columns_ + x;
 }

@@ -74,7 +74,7 @@ class ChartRaster {
   std::vector<Map> maps_;
   std::vector<int> cells_;
   Vector2 low_;
-  double cell_ = 1;
+  double cell_ = 1, per_cell_ = 1;
   int columns_ = 0, rows_ = 0;
 };
 
