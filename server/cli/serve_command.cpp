@@ -1,4 +1,6 @@
 // `sheetform serve`: opens the store, starts slots and HTTP, waits for a signal, stops in order.
+#include <sys/resource.h>
+
 #include <csignal>
 #include <cstdio>
 #include <system_error>
@@ -140,9 +142,20 @@ std::string profiles_of(const ParsedLine& line) {
   return json;
 }
 
+/// As many descriptors as the system allows this process; the usual limit is for programs that use select().
+std::uint64_t raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return 1024;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  return limit.rlim_cur;
+}
+
 ApiOptions api_options(const ParsedLine& line, const std::vector<ListenAddress>& addresses,
                        const std::filesystem::path& data) {
   ApiOptions o;
+  o.guard = options_within(raise_descriptor_limit());
   o.token_file = data / "tokens.json";
   o.secret = secret_of(line, data);
   o.public_url = public_url_of(line);

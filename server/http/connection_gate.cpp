@@ -15,6 +15,7 @@
 #include <charconv>
 #include <memory>
 #include <system_error>
+#include <thread>
 
 #include "server/http/request_head.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 constexpr int kBacklog = 1024;
 constexpr int kTickMilliseconds = 500;
+constexpr auto kShortagePause = std::chrono::milliseconds(50);
 constexpr char kTlsHandshake = '\x16';  // the first byte of a connection by https
 /// What a connection gets for which there is no thread; made once, for this must be quick.
 const std::string& shed_answer() {
@@ -89,11 +91,15 @@ void set_blocking(int fd, bool blocking) {
   ::fcntl(fd, F_SETFL, blocking ? flags & ~O_NONBLOCK : flags | O_NONBLOCK);
 }
 
-void watch(int epoll, int fd) {
+bool watch(int epoll, int fd) {
   epoll_event event{};
   event.events = EPOLLIN | EPOLLRDHUP;
   event.data.fd = fd;
-  if (::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) != 0) refuse("epoll");
+  return ::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+bool is_shortage(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
 }
 
 }  // namespace
@@ -128,8 +134,7 @@ ConnectionGate::ConnectionGate(GateLimits limits, std::function<bool(Arrival&)> 
       arrived_(std::move(arrived)),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!epoll_.valid() || !wake_.valid()) refuse("epoll");
-  watch(epoll_.get(), wake_.get());
+  if (!epoll_.valid() || !wake_.valid() || !watch(epoll_.get(), wake_.get())) refuse("epoll");
 }
 
 ConnectionGate::~ConnectionGate() = default;
@@ -149,7 +154,7 @@ int ConnectionGate::listen(const ListenAddress& address) {
   } catch (const std::system_error& e) {
     throw std::system_error(e.code(), "the address " + address.text());
   }
-  watch(epoll_.get(), listeners_.back().get());
+  if (!watch(epoll_.get(), listeners_.back().get())) refuse("epoll");
   return port_of(listeners_.back().get());
 }
 
@@ -189,12 +194,21 @@ void ConnectionGate::accept_all(int listener) {
         ::accept4(listener, reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (socket.valid())
       take(std::move(socket), address_text(address));
-    else if (errno == EMFILE || errno == ENFILE)
-      drop_oldest();
+    else if (is_shortage(errno))
+      return make_room();
     else if (errno == EAGAIN || errno == EWOULDBLOCK)
       return;
     // Everything else concerns the one connection that failed (ECONNABORTED and the like).
   }
+}
+
+/// One connection goes for those that are not accepted yet. When none can, they wait, and so does the loop:
+/// it would be woken at once, again and again, and has nobody else to see to.
+void ConnectionGate::make_room() {
+  if (waiting_.empty())
+    std::this_thread::sleep_for(kShortagePause);
+  else
+    drop_oldest();
 }
 
 void ConnectionGate::take(Descriptor socket, std::string peer) {
@@ -202,7 +216,7 @@ void ConnectionGate::take(Descriptor socket, std::string peer) {
   const int on = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   const int fd = socket.get();
-  watch(epoll_.get(), fd);
+  if (!watch(epoll_.get(), fd)) return;
   waiting_[fd] = Waiting{std::move(socket), std::move(peer), {}, SteadyClock::now() + limits_.head_time};
   waiting_count_ = static_cast<int>(waiting_.size());
 }

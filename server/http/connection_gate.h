@@ -65,6 +65,7 @@ class ConnectionGate {
     SteadyClock::time_point deadline;
   };
   void accept_all(int listener);
+  void make_room();
   void take(Descriptor socket, std::string peer);
   void read_from(int fd);
   void hand_over(int fd, Arrival::Kind kind, std::size_t head_end);

@@ -149,6 +149,15 @@ class GuardServer::Backend : private httplib::Server {
 
 thread_local const Answer* GuardServer::Backend::current_ = nullptr;
 
+GuardOptions options_within(std::uint64_t descriptors) {
+  GuardOptions options;
+  const std::uint64_t quarter = descriptors / 4;
+  options.gate.waiting = static_cast<std::size_t>(std::min<std::uint64_t>(options.gate.waiting, quarter));
+  options.threads =
+      static_cast<int>(std::min<std::uint64_t>(static_cast<unsigned>(options.threads), quarter));
+  return options;
+}
+
 GuardServer::GuardServer(GuardOptions options, Dispatch dispatch, Report report)
     : options_(options),
       dispatch_(std::move(dispatch)),

@@ -1,0 +1,181 @@
+"""Clients that mean harm: what they may not get hold of, and how little they may cost."""
+import os
+import re
+import socket
+import time
+import unittest
+
+from harness import EXECUTION, Server, ServerCase, arc, main, unique_mesh
+
+POST = b"POST " + EXECUTION.encode() + b" HTTP/1.1\r\nHost: localhost\r\n"
+BEGUN_UPLOAD = POST + b"Content-Length: 100000\r\n\r\nv 0 "
+
+
+class HostileCase(ServerCase):
+    def open(self, data=b"", server=None, receive_buffer=None):
+        s = socket.socket()
+        self.addCleanup(s.close)
+        if receive_buffer:
+            s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        s.settimeout(30)
+        s.connect(("127.0.0.1", (server or self.server).port))
+        s.sendall(data)
+        return s
+
+    def open_many(self, count, data=b""):
+        opened = []
+        for _ in range(count):
+            try:
+                opened.append(self.open(data))
+            except OSError:
+                pass  # turned away already
+        return opened
+
+    def gauge(self, name):
+        text = self.server.request("GET", "/metrics", check=False).body.decode()
+        return float(re.search(rf"^{name} (\S+)$", text, re.M).group(1))
+
+    def is_closed(self, s):
+        s.setblocking(False)
+        try:
+            return s.recv(1) == b""
+        except BlockingIOError:
+            return False
+        except ConnectionResetError:
+            return True
+
+
+def links_of(pid):
+    """What the descriptors of a process lead to, by number."""
+    folder = f"/proc/{pid}/fd"
+    links = {}
+    for number in os.listdir(folder):
+        try:
+            links[int(number)] = os.readlink(f"{folder}/{number}")
+        except FileNotFoundError:
+            pass  # closed meanwhile
+    return links
+
+
+def sockets_of(pid):
+    return {link for link in links_of(pid).values() if link.startswith("socket:")}
+
+
+as_root = unittest.skipIf(os.geteuid() != 0, "a child that is closed in may be looked at by root alone")
+
+
+class Descriptors(HostileCase):
+    @as_root
+    def test_children_inherit_no_connection(self):
+        self.look_at_child(self.server, unique_mesh(), "deaf.obj")
+
+    @as_root
+    def test_children_of_the_nursery_inherit_no_connection(self):
+        with Server(fake=False) as server:
+            self.look_at_child(server, arc(60, 60, seed=1), "arc.obj")
+
+    def look_at_child(self, server, mesh, name):
+        nursery = set(server.children())
+        self.open(server=server)  # idle
+        self.open(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n", server)
+        self.open(BEGUN_UPLOAD, server)
+        server.until_streams(1)
+        held = sockets_of(server.process.pid)
+        self.assertGreater(len(held), 3)  # the one that listens and three clients
+        job = server.submit(mesh, name=name)["jobID"]
+        seen = {}
+
+        def looked():
+            for pid in set(server.children()) - nursery:
+                try:
+                    links = links_of(pid)
+                except (FileNotFoundError, PermissionError):
+                    continue  # has ended meanwhile
+                # In its first moments it has not yet closed what it is not to have.
+                if links and max(links) <= 6:
+                    seen[pid] = links
+            return bool(seen)
+        server.until("a child could be looked at", looked)
+        for links in seen.values():
+            self.assertEqual([link for link in links.values() if link.startswith("socket:")], [])
+        for pid in nursery:
+            self.assertEqual(sockets_of(pid) & held, set())
+        server.request("DELETE", f"/api/v1/jobs/{job}")
+
+    def test_every_descriptor_closes_itself_in_a_child(self):
+        self.open(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        self.open(BEGUN_UPLOAD)
+        self.open(b"GET ")
+        self.server.until_streams(1)
+        inherited, looked_at = [], 0
+        for number, link in links_of(self.server.process.pid).items():
+            if number <= 2:
+                continue
+            with open(f"/proc/{self.server.process.pid}/fdinfo/{number}") as f:
+                flags = int(re.search(r"flags:\s+(\d+)", f.read()).group(1), 8)
+            looked_at += 1
+            if not flags & os.O_CLOEXEC:
+                inherited.append(link)
+        self.assertGreater(looked_at, 8)
+        self.assertEqual(inherited, [])
+
+
+class FewDescriptors(HostileCase):
+    """A process that may have 128 of them, and clients that want more."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(below=("prlimit", "--nofile=128:128"))
+
+    def assert_serves(self):
+        self.assertEqual(self.server.get("/healthz").status, 200)
+        self.assertEqual(self.server.wait(self.server.submit()["jobID"])["status"], "successful")
+
+    def assert_rests(self):
+        begun, used = time.monotonic(), self.server.processor_seconds()
+        time.sleep(1)
+        self.assertLess(self.server.processor_seconds() - used, 0.3 * (time.monotonic() - begun))
+
+    def test_idle_connections_take_nothing_from_others(self):
+        idle = self.open_many(300)
+        self.server.until("the oldest went", lambda: self.gauge("sheetform_http_shed_total") >= 250)
+        self.assert_rests()
+        self.assert_serves()
+        for s in idle:
+            s.close()
+        self.assert_serves()
+
+    def test_busy_connections_take_nothing_from_jobs(self):
+        job = self.server.submit(name="work-1500.obj")["jobID"]
+        busy = self.open_many(200, BEGUN_UPLOAD)
+        told = b""
+        deadline = time.monotonic() + 10
+        while b" 503 " not in told and time.monotonic() < deadline:
+            told = self.server.raw(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        self.assertIn(b'"fix":"try again in a second"', told)
+        self.assert_rests()
+        for s in busy:
+            s.close()
+        self.assertEqual(self.server.wait(job)["status"], "successful")
+        self.assert_serves()
+
+
+class Waiting(HostileCase):
+    def test_the_oldest_of_more_than_2048_go(self):
+        """All of them idle; a request among them is answered at once, and the last ones keep their place."""
+        before = self.gauge("sheetform_http_shed_total")
+        idle = self.open_many(2048 + 60)
+        self.assertEqual(len(idle), 2048 + 60)
+        begun = time.monotonic()
+        self.assertEqual(self.server.get("/healthz").status, 200)
+        self.assertLess(time.monotonic() - begun, 3)
+        self.assertGreaterEqual(self.gauge("sheetform_http_shed_total") - before, 60)
+        self.assertLessEqual(self.gauge("sheetform_http_waiting"), 2048)
+        self.server.until("the first are closed", lambda: all(self.is_closed(s) for s in idle[:60]), timeout=5)
+        idle[-1].setblocking(True)
+        idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+
+
+if __name__ == "__main__":
+    main()
