@@ -25,6 +25,15 @@ LIBRARIES = [
     ("SQLite", r"^(SQLiteCpp/|sqlite3)", lambda p: p.startswith("server/store/")),
     ("cpp-httplib", r"^httplib", lambda p: p.startswith("server/http/")),
 ]
+# The stock server and client of cpp-httplib read what strangers send, and not strictly enough: nothing but writing
+# answers is left to it, behind a base class that nobody can call, and one client that asks our own server for its health.
+HTTPLIB = [
+    (r"\bhttplib\s*::\s*\w*Client\w*", "server/http/health_client.cpp", "httplib's client has no place here"),
+    (r"(?<!: private )\bhttplib\s*::\s*(SSL)?Server\b", None, "httplib's server is a private base class, or nothing"),
+    (r": private httplib::Server\b", "server/http/guard_server.cpp", "httplib's server has no place here"),
+    (r"\b(bind_to_(any_)?port|listen_after_bind|set_(file_)?mount_point|set_base_dir)\b", None, "httplib does not listen here"),
+    (r"\busing\s+(namespace\s+httplib\b|httplib::\w+\s*;)|\bnamespace\s+\w+\s*=\s*httplib\b", None, "names of httplib are written out"),
+]
 # What a library must not do to the program it lives in, and what would make results differ from run to run.
 FORBIDDEN_IN_CORE = [
     (r"(?<![\w.>])(std::)?(_?exit|quick_exit|abort|terminate)\s*\(", "ends the program"),
@@ -43,7 +52,7 @@ LEAKS = [
 
 def tracked_files(root):
     """Paths below root, with '/': what git tracks, or every file where root is no repository."""
-    if os.path.isdir(os.path.join(root, ".git")):
+    if os.path.exists(os.path.join(root, ".git")):  # a file in a second worktree
         listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], stdout=subprocess.PIPE, check=True).stdout
         names = [name for name in listed.decode().split("\0") if name]
         return [name for name in names if os.path.isfile(os.path.join(root, name))]
@@ -157,6 +166,10 @@ def check_source(path, text):
                 if re.search(pattern, line):
                     yield number, f"{why}: {line.strip()[:60]}"
     if path.startswith(("core/", "proto/", "server/")):
+        for number, line in enumerate(bare.split("\n"), 1):
+            for pattern, home, why in HTTPLIB:
+                if path != home and re.search(pattern, line):
+                    yield number, f"{why}: {line.strip()[:60]}"
         for number, length in long_functions(bare):
             yield number, f"function of {length} lines (at most {MAX_FUNCTION_LINES})"
 

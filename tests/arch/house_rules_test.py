@@ -64,6 +64,18 @@ class HouseRules(unittest.TestCase):
             self.assert_found(path, f"#include <{header}>\n", name)
         self.assert_clean("server/store/a.cpp", "#include <SQLiteCpp/Database.h>\n")
 
+    def test_httplib_only_writes_answers(self):
+        for line, rule in [("httplib::Client c(host);", "client"), ("httplib::SSLClient c(host);", "client"),
+                           ("httplib::ClientImpl c(host);", "client"), ("httplib::Server s;", "private base"),
+                           ("class A : public httplib::Server {", "private base"), ("std::unique_ptr<httplib::SSLServer> s;", "private base"),
+                           ("class A : private httplib::Server {", "server has no place"), ("backend.bind_to_port(host, 80);", "listen"),
+                           ("using namespace httplib;", "written out"), ("using httplib::Request;", "written out")]:
+            self.assert_found("server/http/a.cpp", line + "\n", rule)
+        self.assert_clean("server/http/guard_server.cpp", "class A : private httplib::Server {\n  using httplib::Stream::write;\n};\n")
+        self.assert_clean("server/http/health_client.cpp", "httplib::Client c(host);\n")
+        self.assert_found("server/http/guard_server.cpp", "httplib::Client c(host);\n", "client")
+        self.assert_clean("tests/unit/server/a.cpp", "httplib::Client c(host);\n")
+
     def test_product_code_is_free_of_test_code(self):
         self.assert_found("core/sheetform/mesh/a.cpp", "#include <gtest/gtest.h>\n", "test code")
 
