@@ -49,12 +49,22 @@ api::Problem method_not_allowed(const RequestHead& head, const std::string& allo
                       fix);
 }
 
-api::Problem problem_of(const StoreError& error) {
+api::Problem problem_of(const StoreError& error, const std::string& request_id) {
   if (error.kind() == StoreFailure::kFull)
     return make_problem(ProblemType::kDiskFull, "the server's disk is full", "try again later");
-  log_error("the store failed", {{"reason", error.what()}});
-  return make_problem(error.kind() == StoreFailure::kBusy ? ProblemType::kOverloaded : ProblemType::kInternal,
-                      "the store could not answer", "try again");
+  log_error("the store failed", {{"request", request_id}, {"reason", error.what()}});
+  if (error.kind() == StoreFailure::kBusy)
+    return make_problem(ProblemType::kOverloaded, "the store is busy", "try again");
+  return make_problem(ProblemType::kInternal, "the store could not answer");
+}
+
+/// What went wrong is for the log; the client gets the number under which it stands there.
+api::Problem problem_of(const std::exception& error, const std::string& request_id) {
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  if (system != nullptr && (system->code().value() == ENOSPC || system->code().value() == EDQUOT))
+    return make_problem(ProblemType::kDiskFull, "the server's disk is full", "try again later");
+  log_error("a request failed", {{"request", request_id}, {"reason", error.what()}});
+  return make_problem(ProblemType::kInternal, "the server had a problem");
 }
 
 }  // namespace
@@ -106,18 +116,9 @@ Answer ApiServer::dispatch(GuardedRequest& request) {
   } catch (const BodyError& e) {
     answer = placed(make_problem(e.type(), e.what()), request, request_id);
   } catch (const StoreError& e) {
-    answer = placed(problem_of(e), request, request_id);
-  } catch (const std::system_error& e) {
-    const bool full = e.code().value() == ENOSPC || e.code().value() == EDQUOT;
-    if (!full) log_error("a request failed", {{"request", request_id}, {"reason", e.what()}});
-    answer = placed(
-        make_problem(full ? ProblemType::kDiskFull : ProblemType::kInternal,
-                     full ? "the server's disk is full" : "the server had a problem", "try again later"),
-        request, request_id);
+    answer = placed(problem_of(e, request_id), request, request_id);
   } catch (const std::exception& e) {
-    log_error("a request failed", {{"request", request_id}, {"reason", e.what()}});
-    answer = placed(make_problem(ProblemType::kInternal, "the server had a problem", "try again later"),
-                    request, request_id);
+    answer = placed(problem_of(e, request_id), request, request_id);
   }
   answer.with("X-Request-Id", request_id).with("X-Content-Type-Options", "nosniff");
   if (!answer.has("Cache-Control")) answer.with("Cache-Control", "no-store");

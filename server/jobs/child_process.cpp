@@ -15,6 +15,8 @@
 #include <system_error>
 #include <thread>
 
+#include "server/base/log.h"
+
 namespace sheetform::server {
 namespace {
 
@@ -239,6 +241,7 @@ ChildReport run_child(const ChildTask& task) {
   } catch (const std::system_error& e) {
     report.ending = ChildEnding::kNotStarted;
     report.log += e.what();
+    log_error("a child could not be started", {{"reason", e.what()}});
   }
   return report;
 }

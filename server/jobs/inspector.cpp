@@ -14,7 +14,7 @@ api::Problem problem_of(const ChildReport& report, const std::optional<api::Prob
   if (report.ending == ChildEnding::kExited && report.exit_status == kExitMemory)
     return make_problem(T::kMemoryLimit, "reading the mesh needs too much memory", kOther);
   if (report.ending == ChildEnding::kNotStarted)
-    return make_problem(T::kInternal, "the mesh could not be looked at", "try again later");
+    return make_problem(T::kInternal, "the mesh could not be looked at");
   return make_problem(T::kUnreadableMesh, "the program that read the mesh died", kOther);
 }
 

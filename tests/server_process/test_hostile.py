@@ -1,11 +1,13 @@
 """Clients that mean harm: what they may not get hold of, and how little they may cost."""
 import os
 import re
+import shutil
 import socket
+import tempfile
 import time
 import unittest
 
-from harness import EXECUTION, Server, ServerCase, arc, main, unique_mesh
+from harness import EXECUTION, FAKE_WORKER, Server, ServerCase, arc, main, unique_mesh
 
 POST = b"POST " + EXECUTION.encode() + b" HTTP/1.1\r\nHost: localhost\r\n"
 BEGUN_UPLOAD = POST + b"Content-Length: 100000\r\n\r\nv 0 "
@@ -175,6 +177,40 @@ class Waiting(HostileCase):
         idle[-1].setblocking(True)
         idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+
+
+class Faults(unittest.TestCase):
+    """A fault of ours: the client gets a number, whoever runs the server finds under it what happened."""
+
+    def assert_tells_nothing(self, server, answer, reason):
+        self.assertEqual((answer.status, answer.slug()), (500, "internal"))
+        problem = answer.json()
+        text = answer.body.decode() + str(answer.headers)
+        for secret in (server.data, "/tmp", "spool", "worker", "No such file", "errno", "what()", "std::", "exception", ".cpp"):
+            self.assertNotIn(secret, text)
+        self.assertEqual(answer.headers["X-Request-Id"], problem["requestId"])
+        self.assertIn("requestId", problem["fix"])
+        lines = server.log_lines()
+        told = [line for line in lines if line.get("request") == problem["requestId"]]
+        self.assertEqual((told[-1]["msg"], told[-1]["status"]), ("request", 500))
+        reasons = [line["reason"] for line in lines if line["level"] == "error"]
+        self.assertTrue(reasons and reason in reasons[-1], reasons)
+        return told
+
+    def test_an_exception_is_logged_and_not_told(self):
+        with Server() as server:
+            os.rename(server.data + "/spool", server.data + "/elsewhere")
+            answer = server.request("POST", EXECUTION, unique_mesh())
+            told = self.assert_tells_nothing(server, answer, "No such file")
+            self.assertEqual([line["level"] for line in told], ["error", "warning"])
+
+    def test_a_job_without_a_program_is_logged_and_not_told(self):
+        folder = tempfile.mkdtemp(prefix="sheetform-test-")
+        worker = shutil.copy(FAKE_WORKER, folder + "/worker")
+        with Server("--worker", worker, "--no-sandbox", fake=False) as server:
+            shutil.rmtree(folder)
+            answer = server.request("POST", EXECUTION, unique_mesh())
+            self.assert_tells_nothing(server, answer, "No such file")
 
 
 if __name__ == "__main__":
