@@ -113,8 +113,9 @@ std::string metrics_text(const ApiParts& parts) {
   return text + parts.connection_metrics() + parts.metrics.text();
 }
 
-std::string session_cookie(const Exchange& x, const std::string& token, int seconds) {
-  const bool https = x.head.field("x-forwarded-proto") == "https";
+/// The name it is reached by says whether that is HTTPS, not a field that anybody can send.
+std::string session_cookie(const ApiParts& parts, const std::string& token, int seconds) {
+  const bool https = parts.public_url.rfind("https://", 0) == 0;
   return std::string(kSessionCookie) + "=" + token +
          "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(seconds) +
          (https ? "; Secure" : "");
@@ -135,13 +136,13 @@ Answer create_session(Exchange& x, ApiParts& parts) {
   constexpr int kWeek = 7 * 24 * 3600;
   Answer answer;
   answer.status = 204;
-  return answer.with("Set-Cookie", session_cookie(x, token, kWeek));
+  return answer.with("Set-Cookie", session_cookie(parts, token, kWeek));
 }
 
-Answer delete_session(Exchange& x) {
+Answer delete_session(const ApiParts& parts) {
   Answer answer;
   answer.status = 204;
-  return answer.with("Set-Cookie", session_cookie(x, "", 0));
+  return answer.with("Set-Cookie", session_cookie(parts, "", 0));
 }
 
 }  // namespace
@@ -154,7 +155,7 @@ void add_service_routes(Router& router, ApiParts& parts) {
   router.add({"GET", root + "/api", "read", description});
   router.add({"GET", root + "/limits", "read", [&parts](Exchange&) { return limits(parts); }});
   router.add({"POST", root + "/session", "", [&parts](Exchange& x) { return create_session(x, parts); }});
-  router.add({"DELETE", root + "/session", "", delete_session});
+  router.add({"DELETE", root + "/session", "", [&parts](Exchange&) { return delete_session(parts); }});
   router.add({"GET", "/healthz", "", [&parts](Exchange&) { return health_answer(health_checks(parts)); }});
   router.add({"GET", "/readyz", "", [&parts](Exchange&) { return ready(parts); }});
   router.add({"GET", "/version", "", [&parts](Exchange&) {

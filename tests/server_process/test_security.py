@@ -229,6 +229,57 @@ class Rates(ServerCase):
         self.assertEqual(self.server.get("/api/v1/jobs").status, 200)
 
 
+class Forged(ServerCase):
+    """Fields that a proxy writes, and those in which httplib keeps addresses: whoever sends them gains nothing."""
+    options = ("--submits-per-minute", "3")
+    EVIL = "evil.example.org"
+    FIELDS = {"REMOTE_ADDR": "10.0.0.1", "REMOTE_PORT": "1", "LOCAL_ADDR": "10.0.0.2", "X-Real-IP": "10.0.0.1",
+              "X-Forwarded-For": "10.0.0.1, 10.0.0.3", "X-Forwarded-Proto": "https", "X-Forwarded-Host": EVIL,
+              "Forwarded": f'for=10.0.0.1;proto=https;host="{EVIL}"'}
+
+    def test_the_log_has_the_real_peer(self):
+        self.server.request("GET", "/api/v1/limits?", headers={**self.FIELDS, "X-Request-Id": "forged"})
+        told = [line for line in self.server.log_lines() if line.get("request") == "forged"]
+        self.assertEqual([line["peer"] for line in told], ["127.0.0.1"])
+        self.assertNotIn(b"10.0.0.", self.server.log_bytes())
+
+    def test_rates_go_by_the_real_peer(self):
+        statuses = []
+        for i in range(5):
+            other = {name: value.replace("10.0.0.", f"10.0.{i}.") for name, value in self.FIELDS.items()}
+            statuses.append(self.server.request("POST", EXECUTION, unique_mesh(), other).status)
+        self.assertEqual(statuses[3:], [429, 429])
+
+    def test_hosts_and_origins_go_by_host(self):
+        def status(host, **more):
+            answer = self.server.request("DELETE", "/api/v1/session", headers={**self.FIELDS, "Host": host, **more}, check=False)
+            self.assertNotIn(self.EVIL, str(answer.headers))
+            return answer.status
+        self.assertEqual(status("localhost"), 204)
+        self.assertEqual(status("localhost", Origin="http://" + self.EVIL), 403)
+        self.assertEqual(status("localhost", Origin="https://" + self.EVIL), 403)
+        forged = {**self.FIELDS, "X-Forwarded-Host": "localhost", "Forwarded": "host=localhost", "Host": self.EVIL}
+        self.assertEqual(self.server.request("GET", "/api/v1/jobs", headers=forged, check=False).status, 421)
+
+    def test_addresses_of_jobs_go_by_host(self):
+        answer = self.server.request("POST", EXECUTION, unique_mesh(), self.FIELDS)
+        if answer.status != 429:  # the test of the rates may have come first
+            self.assertTrue(answer.headers["Location"].startswith(f"http://127.0.0.1:{self.server.port}/"))
+        self.assertNotIn(self.EVIL, answer.body.decode() + str(answer.headers))
+
+    def test_the_cookie_goes_by_the_public_name(self):
+        key = "0123456789abcdef0123456789abcdef"
+        with tempfile.NamedTemporaryFile() as f:
+            f.write(key.encode())
+            f.flush()
+            for public, secure in [((), False), (("--public-url", "http://sheets.example.org"), False),
+                                   (("--public-url", "https://sheets.example.org"), True)]:
+                with self.subTest(public), Server("--token-file", f.name, *public) as server:
+                    answer = server.request("POST", "/api/v1/session", json.dumps({"token": key}), self.FIELDS, check=False)
+                    self.assertEqual(answer.status, 204)
+                    self.assertEqual("; Secure" in answer.headers["Set-Cookie"], secure)
+
+
 class Streams(ServerCase):
     def test_streams_are_bounded_and_cheap(self):
         import socket
