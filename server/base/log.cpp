@@ -24,21 +24,26 @@ constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::l
                                                  spdlog::level::warn, spdlog::level::err};
 constexpr const char* kNames[] = {"debug", "info", "warning", "error"};
 
+/// Nothing but printable ASCII: whatever stands in a path or a name, it is no control character to a
+/// terminal, no line end to a program.
+template <class Json>
+std::string printable(const Json& value) {
+  return value.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
 std::string json_line(LogLevel level, const std::string& message, const nlohmann::json& fields) {
   nlohmann::ordered_json line{
       {"ts", api::rfc3339(now_us())}, {"level", kNames[static_cast<int>(level)]}, {"msg", message}};
   if (fields.is_object())
     for (const auto& [name, value] : fields.items()) line[name] = value;
-  return api::dump(line);
+  return printable(line);
 }
 
-/// Control characters of strangers (in paths, for example) must not move the cursor of a terminal; JSON
-/// escapes them.
 std::string text_line(LogLevel level, const std::string& message, const nlohmann::json& fields) {
   std::string line = api::rfc3339(now_us()).substr(11, 12) + " " + message;
   if (level >= LogLevel::kWarning) line = std::string(kNames[static_cast<int>(level)]) + ": " + line;
   if (fields.is_object())
-    for (const auto& [name, value] : fields.items()) line += "  " + name + "=" + api::dump(value);
+    for (const auto& [name, value] : fields.items()) line += "  " + name + "=" + printable(value);
   return line;
 }
 

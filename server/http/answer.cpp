@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/http/field_text.h"
+
 namespace sheetform::server {
 namespace {
 
@@ -40,7 +42,7 @@ const char* usual_fix(api::ProblemType type) {
 Answer& Answer::with(const std::string& name, const std::string& value) {
   std::string clean = value;
   for (char& c : clean)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    if (is_control(c)) c = ' ';
   headers.emplace_back(name, std::move(clean));
   return *this;
 }

@@ -12,6 +12,9 @@ inline std::string lower(std::string_view text) {
   return out;
 }
 
+/// A control character of ASCII: no text of strangers needs one.
+inline bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+
 /// Without the blanks and tabs around it.
 inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);

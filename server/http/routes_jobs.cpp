@@ -1,6 +1,9 @@
 // Jobs: list, state, dismissal, retry, log.
+#include <algorithm>
+
 #include "server/http/api_parts.h"
 #include "server/http/conditional.h"
+#include "server/http/field_text.h"
 #include "server/http/job_query.h"
 #include "sheetform_api/process.h"
 
@@ -73,9 +76,13 @@ Answer open_point(const Exchange& x, ApiParts& parts) {
       .with("Location", absolute(parts, x.head, std::string(kApiRoot) + "/jobs/" + opened.job.id));
 }
 
+/// What a job's process printed may be shown by a terminal, and must not steer it.
 Answer get_log(Exchange& x, const ApiParts& parts) {
   const JobRecord job = job_of(x, parts);
-  return text_answer(200, "text/plain; charset=utf-8", parts.service.store().attempt_log(job.seq));
+  std::string text = parts.service.store().attempt_log(job.seq);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return is_control(c) && c != '\n' && c != '\t'; }, '?');
+  return text_answer(200, "text/plain; charset=utf-8", std::move(text));
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ class Details {
   void take_tag(const std::string& tag) {
     if (tag.size() > kTagBytes)
       throw Refusal(ProblemType::kInvalidParameter, "the tag is longer than 100 bytes", "shorten it", "tag");
+    if (std::any_of(tag.begin(), tag.end(), is_control))
+      throw Refusal(ProblemType::kInvalidParameter, "the tag holds a control character",
+                    "write it on one line, without tabs", "tag");
     tag_ = tag;
   }
   void take_name(const std::string& name) {

@@ -137,6 +137,13 @@ void write_too_much() {
   tell_result({{"one.bin", "application/octet-stream"}, {"two.bin", "application/octet-stream"}});
 }
 
+/// Prints what would colour a terminal, or move its cursor.
+void print() {
+  const std::string_view text = "first\x1b[31m\r\n\tsecond\n";
+  if (::write(2, text.data(), text.size()) < 0) ::_exit(99);
+  work(0);
+}
+
 /// Closes everything on which the server listens, and lives on for a while.
 void fall_silent() {
   progress(0.5, "trace");
@@ -162,6 +169,7 @@ const std::map<std::string, std::function<void()>> kWays{
     {"huge", write_too_much},
     {"nothing", [] {}},
     {"silent", fall_silent},
+    {"print", print},
     {"missing",
      [] {
        tell_result({{"layout.svg", "image/svg+xml"}});

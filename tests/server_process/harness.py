@@ -60,7 +60,7 @@ class Server:
         self.below = below
         self.data = data or tempfile.mkdtemp(prefix="sheetform-test-")
         self.own_data = data is None
-        self.options = ["--log", "json", *options]
+        self.options = [*options] if "--log" in options else ["--log", "json", *options]
         if "--min-free" not in options:
             self.options += ["--min-free", "0"]
         if fake:

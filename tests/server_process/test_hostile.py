@@ -1,4 +1,6 @@
 """Clients that mean harm: what they may not get hold of, and how little they may cost."""
+import base64
+import json
 import os
 import re
 import shutil
@@ -6,6 +8,7 @@ import socket
 import tempfile
 import time
 import unittest
+import urllib.parse
 
 from harness import EXECUTION, FAKE_WORKER, Server, ServerCase, arc, main, unique_mesh
 
@@ -177,6 +180,131 @@ class Waiting(HostileCase):
         idle[-1].setblocking(True)
         idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+
+
+class Trailers(HostileCase):
+    """Fields after a chunked body come after everything has been decided, and decide nothing."""
+    TRAILERS = ["Content-Length: 5", "Host: evil.example.org", "Idempotency-Key: once", "X-Request-Id: trailer", "Prefer: wait=10",
+                "Content-Digest: sha-256=:AAAA:", "Content-Type: application/json", "Content-Encoding: gzip", "Origin: http://evil.example.org",
+                "Transfer-Encoding: identity", "Expect: 200-ok"]
+
+    def post(self, trailers, mesh, *fields, server=None):
+        chunk = b"%x\r\n" % len(mesh) + mesh + b"\r\n0\r\n"
+        lines = "".join(line + "\r\n" for line in trailers) + "\r\n"
+        head = "".join(line + "\r\n" for line in fields).encode()
+        received = (server or self.server).raw(POST + head + b"Transfer-Encoding: chunked\r\n\r\n" + chunk + lines.encode())
+        return received.split(b"\r\n\r\n", 1)
+
+    def test_trailers_decide_nothing(self):
+        jobs, mesh = [], unique_mesh()
+        for _ in range(2):
+            head, body = self.post(self.TRAILERS, mesh)
+            self.assertIn(b"HTTP/1.1 201", head)
+            self.assertNotRegex(head, b"trailer|evil|Idempotency-Replayed|Preference-Applied")
+            job = json.loads(body)
+            self.assertEqual(job["inputs"]["mesh"]["bytes"], len(mesh))
+            jobs.append(job["jobID"])
+        self.assertEqual(len(set(jobs)), 2)
+
+    def test_a_token_in_a_trailer_is_none(self):
+        key = "0123456789abcdef0123456789abcdef"
+        with tempfile.NamedTemporaryFile() as f:
+            f.write(key.encode())
+            f.flush()
+            with Server("--token-file", f.name) as server:
+                for field in (f"Authorization: Bearer {key}", f"X-Api-Key: {key}", f"Cookie: sheetform={key}"):
+                    self.assertIn(b"HTTP/1.1 401", self.post([field], unique_mesh(), server=server)[0], field)
+                good = f"Authorization: Bearer {key}"
+                self.assertIn(b"HTTP/1.1 201", self.post(["Authorization: Bearer wrong"], unique_mesh(), good, server=server)[0])
+
+
+BREAKS = "\r\nSet-Cookie: a=b\r\n{\"level\":\"error\"}\n\x1b[31m\x00\x7f\u009b31m\u2028"
+
+
+class Injection(HostileCase):
+    """Line breaks and control characters, wherever a request may have them, end up in no header and no line of the log."""
+
+    def tearDown(self):
+        log = self.server.log_bytes()
+        for line in log.splitlines():
+            self.assertLessEqual({"ts", "level", "msg"}, set(json.loads(line)), line)
+            self.assertIsNone(re.search(rb"[^\x20-\x7e]", line), line)
+            self.assertNotIn(b'"level":"error"', line)
+
+    def assert_clean(self, received):
+        head = received.split(b"\r\n\r\n", 1)[0]
+        self.assertNotIn(b"set-cookie", head.lower())
+        self.assertNotRegex(head, rb"[^\r\n\x20-\x7e]")
+        self.assertTrue(received.startswith(b"HTTP/1.1 "), received)
+
+    def ask(self, target, *fields, method="GET"):
+        lines = [f"{method} {target} HTTP/1.1", "Host: localhost", *fields, "", ""]
+        received = self.server.raw("\r\n".join(lines).encode("utf-8", "surrogateescape"))
+        self.assert_clean(received)
+        return received
+
+    def test_paths_and_queries(self):
+        for text in (BREAKS, *BREAKS, "\r\n", "\u0085", "\u202e"):
+            escaped = urllib.parse.quote(text, safe="")
+            job = self.ask(f"/api/v1/jobs/{escaped}")
+            self.assertRegex(job, rb"^HTTP/1\.1 40[04] ")
+            self.ask(f"/{escaped}")
+            self.ask(f"/api/v1/jobs?tag={escaped}")
+            self.ask(f"/api/v1/jobs?{escaped}=1")
+            self.ask(f"/api/v1/processes/{escaped}/execution?filename={escaped}", method="POST")
+        self.assertIn(b"40", self.ask("/api/v1/jobs/%c2%9b31m")[:20])  # is printed as bytes by some terminals
+
+    def test_header_fields(self):
+        for text in ("a%0d%0aSet-Cookie: a=b", "\u009b31m", "a\tb", "\x80"):
+            for name in ("X-Request-Id", "Origin", "Prefer", "Range", "If-None-Match", "Accept", "Idempotency-Key", "Authorization",
+                         "Cookie", "Last-Event-ID", "traceparent"):
+                self.ask("/api/v1/limits", f"{name}: {text}")
+            self.assert_clean(self.server.raw(f"GET / HTTP/1.1\r\nHost: {text}\r\n\r\n".encode()))
+            self.assert_clean(self.server.raw(f"{text} / HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()))
+
+    def test_names_of_files(self):
+        name = "a" + BREAKS + '";\\ filename*=x.obj'
+        body = json.dumps({"inputs": {"mesh": {"value": base64.b64encode(unique_mesh()).decode(), "name": name}}})
+        answer = self.server.request("POST", EXECUTION, body, {"Content-Type": "application/json"})
+        self.check_name(answer)
+        part = ('--b\r\nContent-Disposition: form-data; name="mesh"; filename="%s"\r\n\r\n%s\r\n--b--\r\n' %
+                (name.replace("\r", "").replace("\n", "").replace("\0", "").replace('"', '\\"'), unique_mesh().decode()))
+        answer = self.server.request("POST", EXECUTION, part.encode(), {"Content-Type": "multipart/form-data; boundary=b"})
+        self.check_name(answer)
+
+    def check_name(self, answer):
+        self.assertEqual(answer.status, 201, answer.body)
+        job = answer.json()
+        self.assertNotRegex(job["inputs"]["mesh"]["name"], "[\x00-\x1f\x7f-\x9f/\u2028]")
+        received = self.server.raw(f"GET /api/v1/jobs/{job['jobID']}/input HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        self.assert_clean(received)
+        disposition = re.search(rb"Content-Disposition: ([^\r]*)", received).group(1)
+        self.assertRegex(disposition, rb'^attachment; filename="[A-Za-z0-9 ._-]*"; filename\*=UTF-8\'\'[A-Za-z0-9%._-]*$')
+
+    def test_titles_of_jobs(self):
+        def send(tag):
+            body = json.dumps({"inputs": {"mesh": base64.b64encode(unique_mesh()).decode()}, "tag": tag})
+            form = f'--b\r\nContent-Disposition: form-data; name="tag"\r\n\r\n{tag}\r\n--b--\r\n'
+            for text, kind in ((body, "application/json"), (form, "multipart/form-data; boundary=b")):
+                yield self.server.request("POST", EXECUTION, text.encode(), {"Content-Type": kind})
+        for character in "\r\n\t\0\x1b\x7f":
+            for answer in send(f"a{character}b"):
+                self.assert_problem(answer, 422, "invalid-parameter")
+                self.assertEqual(answer.json()["where"], "tag")
+                self.assertIn("control character", answer.json()["detail"])
+        self.assertEqual(next(send("caf\u00e9 \u2713")).json()["tag"], "caf\u00e9 \u2713")
+
+    def test_what_jobs_print(self):
+        job = self.server.wait(self.server.submit(name="print.obj")["jobID"])["jobID"]
+        self.assertRegex(self.server.get(f"/api/v1/jobs/{job}/log").body, rb"\nfirst\?\[31m\?\n\tsecond\n$")
+
+    def test_the_log_for_people(self):
+        with Server("--log", "text", "--listen", "127.0.0.1:0", wait=False) as server:
+            server.until("it serves", lambda: b"serving" in server.log_bytes())
+            server.port = int(re.search(rb'url="http://[^"]*:(\d+)"', server.log_bytes()).group(1))
+            server.raw(b"GET /%c2%9b31m%e2%80%a8 HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            server.until("the request is logged", lambda: b"31m" in server.log_bytes())
+            self.assertIsNone(re.search(rb"[^\n\x20-\x7e]", server.log_bytes()))
 
 
 class Faults(unittest.TestCase):
