@@ -208,7 +208,7 @@ bool send_all(int fd, std::string_view bytes, const BodyPatience& patience) {
     }
     if (put < 0 && errno == EINTR) continue;
     if (put < 0 && errno != EAGAIN && errno != EWOULDBLOCK) return false;
-    if (!wait_for(fd, POLLOUT, patience.stall)) return false;
+    if (!wait_for(fd, POLLOUT, patience.send_stall)) return false;
     const auto elapsed = std::chrono::duration_cast<std::chrono::seconds>(SteadyClock::now() - begun);
     if (elapsed > patience.grace &&
         sent < patience.bytes_per_second * static_cast<std::uint64_t>(elapsed.count()))

@@ -43,7 +43,10 @@ class ChunkDecoder {
 };
 
 struct BodyPatience {
-  std::chrono::seconds stall{15};         ///< without a single byte
+  std::chrono::seconds stall{15};  ///< without a single byte that comes
+  /// Without a single byte that goes. Longer: the system of a client that reads slowly has taken a large
+  /// piece already, and asks for the next one when much of it has been read.
+  std::chrono::seconds send_stall{60};
   std::chrono::seconds grace{10};         ///< before the least speed is asked for
   std::uint64_t bytes_per_second = 1024;  ///< on average, after the grace
 };

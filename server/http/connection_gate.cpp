@@ -24,6 +24,10 @@ namespace {
 
 constexpr int kBacklog = 1024;
 constexpr int kTickMilliseconds = 500;
+/// The system keeps so little unsent for a client that even one at the least speed takes half of it within
+/// the patience of BodyPatience: megabytes would hide that a slow client reads, and it would be given up as
+/// dead.
+constexpr int kUnsentBytes = 64 * 1024;
 constexpr auto kShortagePause = std::chrono::milliseconds(50);
 constexpr char kTlsHandshake = '\x16';  // the first byte of a connection by https
 /// What a connection gets for which there is no thread; made once, for this must be quick.
@@ -215,6 +219,7 @@ void ConnectionGate::take(Descriptor socket, std::string peer) {
   if (waiting_.size() >= limits_.waiting) drop_oldest();
   const int on = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof kUnsentBytes);
   const int fd = socket.get();
   if (!watch(epoll_.get(), fd)) return;
   waiting_[fd] = Waiting{std::move(socket), std::move(peer), {}, SteadyClock::now() + limits_.head_time};

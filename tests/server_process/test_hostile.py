@@ -6,11 +6,12 @@ import re
 import shutil
 import socket
 import tempfile
+import threading
 import time
 import unittest
 import urllib.parse
 
-from harness import EXECUTION, FAKE_WORKER, Server, ServerCase, arc, main, unique_mesh
+from harness import EXECUTION, FAKE_WORKER, PATIENCE, Server, ServerCase, arc, main, unique_mesh
 
 POST = b"POST " + EXECUTION.encode() + b" HTTP/1.1\r\nHost: localhost\r\n"
 BEGUN_UPLOAD = POST + b"Content-Length: 100000\r\n\r\nv 0 "
@@ -180,6 +181,64 @@ class Waiting(HostileCase):
         idle[-1].setblocking(True)
         idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+
+
+class Speed(HostileCase):
+    """Whoever is slower than 1 KiB/s, or stops, is given up after a while; whoever is just slow is not."""
+    SECONDS = 75
+
+    def read(self, job, rate):
+        s = socket.socket()
+        self.addCleanup(s.close)
+        s.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, 1400)  # as on a network: on loopback one packet may have 64 KiB
+        s.connect(("127.0.0.1", self.server.port))
+        s.sendall(f"GET /api/v1/jobs/{job}/input HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: reader-{rate}\r\n\r\n".encode())
+        begun, got = time.monotonic(), 0
+        while time.monotonic() - begun < self.SECONDS:
+            wanted = int(rate * (time.monotonic() - begun)) - got
+            piece = s.recv(wanted) if wanted > 0 else b""
+            got += len(piece)
+            time.sleep(0.05)
+        s.close()
+
+    def write(self, rate, seconds):
+        """Drips an upload; what is answered, if anything, while it goes on."""
+        s = self.open(POST + b"Content-Length: 10000000\r\n\r\n")
+        s.settimeout(0.2)
+        begun, sent = time.monotonic(), 0
+        while time.monotonic() - begun < seconds:
+            wanted = int(rate * (time.monotonic() - begun)) - sent
+            try:
+                sent += s.send(b"#" * wanted)
+                return s.recv(65536), time.monotonic() - begun
+            except TimeoutError:
+                pass
+        s.close()
+        return None, seconds
+
+    def test_slow_is_fair_and_too_slow_is_not(self):
+        job = self.server.submit(b"# " + b"x" * (32 << 20) + b"\n" + unique_mesh())["jobID"]
+        rates = [0, 300, 8000, 20000, 200000]
+        readers = [threading.Thread(target=self.read, args=(job, rate)) for rate in rates]
+        answers = {}
+        writers = [threading.Thread(target=lambda r=rate: answers.update({r: self.write(r, 30)})) for rate in (0, 300, 4000)]
+        for thread in readers + writers:
+            thread.start()
+        for thread in readers + writers:
+            thread.join()
+        for rate, least, most in ((0, 10, 25), (300, 9, 20)):
+            answer, seconds = answers[rate]
+            self.assertIn(b"HTTP/1.1 408", answer or b"", rate)
+            self.assertTrue(least <= seconds <= most * PATIENCE, (rate, seconds))
+        self.assertEqual(answers[4000], (None, 30))
+
+        def ends():
+            return {line["request"]: line["ms"] / 1000 for line in self.server.log_lines() if line.get("request", "").startswith("reader-")}
+        self.server.until("all downloads have ended", lambda: len(ends()) == len(rates))
+        for rate in (0, 300):
+            self.assertTrue(58 <= ends()[f"reader-{rate}"] <= self.SECONDS - 5, ends())
+        for rate in (8000, 20000, 200000):
+            self.assertGreaterEqual(ends()[f"reader-{rate}"], self.SECONDS - 2, ends())
 
 
 class Trailers(HostileCase):

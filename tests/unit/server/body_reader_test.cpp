@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include <atomic>
+#include <functional>
 #include <random>
 #include <thread>
 
@@ -143,6 +145,65 @@ TEST(BodyReader, AsksToGoOnOnlyWhenItReads) {
   body.set_limit(10);
   EXPECT_EQ(body.read_all(), "abc");
   EXPECT_GT(::recv(ends.theirs.get(), buffer, sizeof buffer, MSG_DONTWAIT), 0);
+}
+
+/// Someone at the other end who does something small again and again, until it fails or the test ends.
+class Dripper {
+ public:
+  explicit Dripper(std::function<bool()> step)
+      : thread_([this, step = std::move(step)] {
+          while (!ending_ && step()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }) {}
+  ~Dripper() {
+    ending_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+/// Asks for the speed after one second.
+BodyPatience patience_for(std::uint64_t bytes_per_second) {
+  BodyPatience patience;
+  patience.grace = std::chrono::seconds(1);
+  patience.bytes_per_second = bytes_per_second;
+  return patience;
+}
+
+TEST(BodyReader, WhoSendsTooSlowlyIsGivenUp) {
+  const Ends ends;
+  const Dripper sender(
+      [&] { return ::send(ends.theirs.get(), "0123456789", 10, MSG_NOSIGNAL | MSG_DONTWAIT) > 0; });
+  BodyReader slow(ends.mine.get(), "", with_length(1'000'000), patience_for(100'000));
+  slow.set_limit(1'000'000);
+  EXPECT_EQ(refusal(slow), api::ProblemType::kRequestTimeout);
+  EXPECT_GT(slow.bytes(), 0u);
+  BodyReader fair(ends.mine.get(), "", with_length(1500), patience_for(10));  // takes longer than the grace
+  fair.set_limit(1'000'000);
+  EXPECT_EQ(fair.read_all().size(), 1500u);
+}
+
+TEST(SendAll, WhoReadsTooSlowlyIsGivenUp) {
+  const Ends ends;
+  const std::string data(4'000'000, 'x');
+  const Dripper reader([&] {
+    std::string room(20'000, '\0');
+    (void)::recv(ends.theirs.get(), room.data(), room.size(), MSG_DONTWAIT);
+    return true;
+  });
+  EXPECT_FALSE(send_all(ends.mine.get(), data, patience_for(50'000'000)));
+  EXPECT_TRUE(send_all(ends.mine.get(), data, patience_for(10'000)));
+}
+
+TEST(SendAll, WhoStopsReadingIsGivenUp) {
+  const Ends ends;
+  BodyPatience patience;
+  patience.send_stall = std::chrono::seconds(1);
+  const auto begun = SteadyClock::now();
+  EXPECT_FALSE(send_all(ends.mine.get(), std::string(10'000'000, 'x'), patience));
+  EXPECT_GE(SteadyClock::now() - begun, std::chrono::seconds(1));
 }
 
 }  // namespace
