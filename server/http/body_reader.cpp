@@ -29,6 +29,11 @@ bool wait_for(int fd, short what, std::chrono::milliseconds time) {
   return ready > 0;
 }
 
+bool is_too_slow(std::uint64_t bytes, SteadyClock::duration time, const BodyPatience& patience) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time).count();
+  return time >= patience.grace && bytes < patience.bytes_per_second * static_cast<std::uint64_t>(seconds);
+}
+
 }  // namespace
 
 bool ChunkDecoder::take_size(char c) {
@@ -132,10 +137,7 @@ void BodyReader::set_limit(std::uint64_t bytes) {
 }
 
 void BodyReader::check_speed() const {
-  const auto elapsed = SteadyClock::now() - begun_;
-  if (elapsed < patience_.grace) return;
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(elapsed).count();
-  if (bytes_ < patience_.bytes_per_second * static_cast<std::uint64_t>(seconds))
+  if (is_too_slow(bytes_, SteadyClock::now() - begun_, patience_))
     throw BodyError(api::ProblemType::kRequestTimeout, "the body came too slowly");
 }
 
@@ -209,10 +211,7 @@ bool send_all(int fd, std::string_view bytes, const BodyPatience& patience) {
     if (put < 0 && errno == EINTR) continue;
     if (put < 0 && errno != EAGAIN && errno != EWOULDBLOCK) return false;
     if (!wait_for(fd, POLLOUT, patience.send_stall)) return false;
-    const auto elapsed = std::chrono::duration_cast<std::chrono::seconds>(SteadyClock::now() - begun);
-    if (elapsed > patience.grace &&
-        sent < patience.bytes_per_second * static_cast<std::uint64_t>(elapsed.count()))
-      return false;
+    if (is_too_slow(sent, SteadyClock::now() - begun, patience)) return false;
   }
   return true;
 }

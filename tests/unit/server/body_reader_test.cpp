@@ -187,9 +187,9 @@ TEST(BodyReader, WhoSendsTooSlowlyIsGivenUp) {
 
 TEST(SendAll, WhoReadsTooSlowlyIsGivenUp) {
   const Ends ends;
-  const std::string data(4'000'000, 'x');
+  const std::string data(2'500'000, 'x');
   const Dripper reader([&] {
-    std::string room(20'000, '\0');
+    std::string room(10'000, '\0');
     (void)::recv(ends.theirs.get(), room.data(), room.size(), MSG_DONTWAIT);
     return true;
   });
