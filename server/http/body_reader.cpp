@@ -9,7 +9,7 @@
 namespace sheetform::server {
 namespace {
 
-constexpr std::size_t kPiece = 256 * 1024;
+constexpr std::size_t kPiece = 64 * 1024;
 constexpr int kSizeDigits = 8;
 constexpr std::size_t kExtensionBytes = 256, kTrailerBytes = 4096;
 

@@ -192,8 +192,8 @@ bool MultipartReader::step_after_boundary() {
 bool MultipartReader::step_head() {
   const std::size_t end = buffer_.find("\r\n\r\n");
   if (end == std::string::npos || end > kPartHeadBytes)
-    return buffer_.size() > kPartHeadBytes ? broken("the head of a part is too large") : false;
-  if (++parts_ > kParts) return broken("there are too many parts");
+    return buffer_.size() > kPartHeadBytes ? broken("the head of a part is larger than 4096 bytes") : false;
+  if (++parts_ > kParts) return broken("there are more than 32 parts");
   const std::string head = buffer_.substr(2, end);  // each line with its CR LF
   buffer_.erase(0, end + 4);
   state_ = State::kData;

@@ -17,6 +17,7 @@ namespace {
 using api::ProblemType;
 
 constexpr std::size_t kTagBytes = 100, kFieldBytes = 64 * 1024, kKeyBytes = 255, kNameBytes = 255;
+constexpr std::size_t kTypeBytes = 127;  // RFC 6838 allows as many for each of its two words
 /// What curl and others call a raw file when they are told nothing better.
 constexpr std::array<std::string_view, 4> kRawTypes{"", "application/octet-stream",
                                                     "application/x-www-form-urlencoded", "text/plain"};
@@ -31,7 +32,7 @@ std::string media_type_of(const RequestHead& head) {
 }
 
 bool is_raw_mesh(const std::string& type) {
-  return type.rfind("model/", 0) == 0 ||
+  return (type.rfind("model/", 0) == 0 && type.size() <= kTypeBytes) ||
          std::find(kRawTypes.begin(), kRawTypes.end(), type) != kRawTypes.end() ||
          std::find(kMeshTypes.begin(), kMeshTypes.end(), type) != kMeshTypes.end();
 }
@@ -134,6 +135,10 @@ std::unique_ptr<Upload> read_raw(Exchange& exchange, JobService& service) {
 
 constexpr const char* kMeshPart = "name the part with the mesh `mesh`, e.g. curl -F mesh=@lamp.stl";
 
+constexpr const char* kWholeForm =
+    "let the client write the form, e.g. curl -F mesh=@lamp.stl -F e_max=0.02; only mesh, field and guides "
+    "are files";
+
 /// curl sends the name in place of the file when the @ before it was forgotten.
 bool is_name_of_file(const std::string& text) {
   const std::size_t dot = text.rfind('.');
@@ -226,8 +231,8 @@ std::unique_ptr<Upload> read_form(Exchange& exchange, JobService& service, Detai
                                     [&](std::string_view bytes) { form.data(bytes); }, [&] { form.end(); }});
   exchange.body.set_limit(service.limits().upload_bytes + kFieldBytes);
   for (std::string_view piece; !(piece = exchange.body.read()).empty();)
-    if (!reader.add(piece)) refuse_body(reader.error());
-  if (!reader.complete()) refuse_body(reader.error());
+    if (!reader.add(piece)) refuse_body(reader.error(), {}, kWholeForm);
+  if (!reader.complete()) refuse_body(reader.error(), {}, kWholeForm);
   return form.take();
 }
 

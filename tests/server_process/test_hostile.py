@@ -1,5 +1,6 @@
 """Clients that mean harm: what they may not get hold of, and how little they may cost."""
 import base64
+import hashlib
 import json
 import os
 import re
@@ -181,6 +182,119 @@ class Waiting(HostileCase):
         idle[-1].setblocking(True)
         idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+
+
+class Ranges(HostileCase):
+    def test_many_ranges_get_the_whole_at_the_cost_of_one(self):
+        job = self.server.wait(self.server.submit()["jobID"])["jobID"]
+        path = f"/api/v1/jobs/{job}/results/big.bin"
+        whole = self.server.get(path).body
+        lists = [",".join("0-" for _ in range(5000)), ",".join(f"{i}-{i + 700000}" for i in range(900)), "-1," * 4000 + "-1",
+                 "0-0," + ",".join(f"{i}-" for i in range(700000, 0, -500)), "0-1,", ",".join("9" * 100 + "-" for _ in range(100))]
+        before = self.server.memory()
+
+        def ask(ranges):
+            answer = self.server.request("GET", path, headers={"Range": "bytes=" + ranges}, check=False)
+            self.assertEqual((answer.status, answer.body == whole), (200, True), ranges[:50])
+        for ranges in lists:
+            self.assertLess(len(ranges), 15000)
+            threads = [threading.Thread(target=ask, args=(ranges,)) for _ in range(20)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        many = "".join(f"Range: bytes={i}-\r\n" for i in range(60)).encode()
+        received = self.server.raw(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n".encode() + many + b"\r\n")
+        self.assertTrue(received.startswith(b"HTTP/1.1 200") and received.endswith(whole))
+        self.assertLess(self.server.memory() - before, 32 << 20)
+
+
+class Forms(HostileCase):
+    FORM = {"Content-Type": "multipart/form-data; boundary=b"}
+    HEAD = b'--b\r\nContent-Disposition: form-data; name="mesh"; filename="a.obj"\r\n\r\n'
+    END = b"\r\n--b--\r\n"
+
+    def part(self, disposition, content=b""):
+        return b"--b\r\nContent-Disposition: form-data; " + disposition.encode() + b"\r\n\r\n" + content + b"\r\n"
+
+    def send(self, body, **headers):
+        return self.server.request("POST", EXECUTION, body, {**self.FORM, **headers})
+
+    def assert_refused(self, body, detail):
+        answer = self.send(body)
+        self.assert_problem(answer, 400, "malformed-request")
+        self.assertIn(detail, answer.json()["detail"])
+        self.assertIn("curl -F mesh=@", answer.json()["fix"])
+
+    def test_many_parts_and_large_heads(self):
+        before = self.server.memory()
+        for _ in range(5):
+            self.assert_refused(self.part('name="a"') * 10000, "more than 32 parts")
+            self.assert_refused(self.part('name="%s"' % ("n" * 1000000)), "larger than 4096 bytes")
+            self.assert_refused(self.part('name="mesh"; filename="%s"' % ("n" * 1000000)), "larger than 4096 bytes")
+            self.assert_refused(self.part("name=mesh; filename*=UTF-8''" + "%41" * 100000), "larger than 4096 bytes")
+            self.assert_refused(self.part("name=mesh" + "; a=b" * 100000), "larger than 4096 bytes")
+            self.assert_refused(b"--b\r\n" + b"X: y\r\n" * 100000 + b"\r\n", "larger than 4096 bytes")
+            self.assert_refused(b"--b" + b" " * 100000, "followed by something else")
+        self.assertLess(self.server.memory() - before, 8 << 20)
+
+    def test_names_that_break_lines_or_go_on_for_ever(self):
+        self.assert_refused(self.part('name="mesh"; filename="a\r\nContent-Type: x/y\r\n.obj"', unique_mesh()) + self.END, "head of a part is malformed")
+        for name, shown in (("a%0d%0ab.obj", "a%0d%0ab.obj"), ("n" * 3900 + ".obj", "n" * 128), ("\\" * 1000 + "x.obj", "x.obj")):
+            answer = self.send(self.part(f'name="mesh"; filename="{name}"', unique_mesh()) + self.END)
+            self.assertEqual((answer.status, answer.json()["inputs"]["mesh"]["name"]), (201, shown))
+        for extended in ("UTF-8''" + "%41" * 1200, "UTF-8''%zz%", "'" * 3000, '"' + "\\" * 3000):
+            answer = self.send(self.part(f"name=mesh; filename*={extended}", unique_mesh()) + self.END)
+            self.assertIn(answer.status, (201, 400), extended[:20])  # RFC 7578 knows no filename*; it means nothing
+
+    def test_media_types_that_go_on_for_ever(self):
+        mesh = unique_mesh()
+        for media in ("application/" + "a" * 10000, "model/" + "a" * 10000, "a" * 10000, "model/" + "a/" * 5000,
+                      "x/y;" + "a=b;" * 3000):
+            answer = self.server.request("POST", EXECUTION, mesh, {"Content-Type": media})
+            self.assert_problem(answer, 415, "unsupported-media-type")
+            self.assertLess(len(answer.body), 1000)
+        answer = self.server.request("POST", EXECUTION, mesh, {"Content-Type": "model/" + "a" * 20000}, check=False)
+        self.assert_problem(answer, 431, "headers-too-large")
+        for parameters in ("boundary=" + "b" * 71, "a=b;" * 3000, 'boundary="' + "b" * 10000, "boundary=b;" * 1000):
+            answer = self.server.request("POST", EXECUTION, mesh, {"Content-Type": "multipart/form-data; " + parameters})
+            self.assert_problem(answer, 400, "malformed-request")
+            self.assertIn("boundary", answer.json()["detail"])
+
+    def test_a_body_that_comes_in_two_or_byte_by_byte(self):
+        """The data holds what looks like the boundary; every cut of it, and all cuts at once, give the same file."""
+        mesh = unique_mesh() + b"# \r\n--b\r\n--bx\r\n-\r\n\r\n--\r\r\n--b--\r\n--"
+        body = self.HEAD.replace(b"--b", b"--bd") + mesh + self.END.replace(b"--b", b"--bd")
+        head = POST + b"Content-Type: multipart/form-data; boundary=bd\r\nContent-Length: %d\r\n\r\n" % len(body)
+        digest = hashlib.sha256(mesh).hexdigest()
+
+        def upload(pieces):
+            s = self.open(head)
+            s.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            for piece in pieces:
+                s.sendall(piece)
+                time.sleep(0.001)
+            received = s.makefile("rb").read()
+            self.assertTrue(received.startswith(b"HTTP/1.1 201"), received[:300])
+            self.assertEqual(json.loads(received.split(b"\r\n\r\n", 1)[1])["inputs"]["mesh"]["sha256"], digest)
+        for cut in range(len(body) - 60, len(body)):
+            upload([body[:cut], body[cut:]])
+        upload([body[i:i + 1] for i in range(len(body))])
+
+    def test_uploads_cost_less_than_a_mebibyte_each(self):
+        data = b"# " + b"x" * (1 << 20)
+        chunked = b"Content-Type: multipart/form-data; boundary=b\r\nTransfer-Encoding: chunked\r\n\r\n900000\r\n"
+        for kind in (b"Content-Length: 9000000\r\n\r\n", chunked + self.HEAD,
+                     chunked + b'--b\r\nContent-Disposition: form-data; name="tag"\r\n\r\n'):
+            before = self.server.memory()
+            field = kind.endswith(b'"tag"\r\n\r\n')
+            held = [self.open(POST + kind + (data[:60000] if field else data)) for _ in range(48)]
+            self.server.until("all of them are read", lambda: self.gauge("sheetform_http_connections") >= len(held))
+            time.sleep(0.5)
+            self.assertLess(self.server.memory() - before, len(held) << 20)
+            for s in held:
+                s.close()
+            self.server.until("all of them have gone", lambda: self.gauge("sheetform_http_connections") < 2)
 
 
 class Speed(HostileCase):
