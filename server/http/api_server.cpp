@@ -5,6 +5,7 @@
 
 #include "server/base/identity.h"
 #include "server/base/log.h"
+#include "server/http/field_text.h"
 #include "server/mapping/errors.h"
 #include "sheetform_api/api_description.h"
 
@@ -37,16 +38,38 @@ Answer placed(api::Problem problem, const GuardedRequest& request, const std::st
   return problem_answer(problem);
 }
 
+constexpr const char* kSendMeshes = "send meshes by POST to /api/v1/processes/decompose/execution";
+
 /// Who sends something where nothing is taken most likely has a mesh.
 api::Problem method_not_allowed(const RequestHead& head, const std::string& allowed) {
   const bool sends = head.method == "POST" || head.method == "PUT";
   const bool takes = allowed.find("POST") != std::string::npos;
   std::string fix;
   if (sends && takes) fix = "send it by POST, e.g. curl --data-binary @FILE";
-  if (sends && !takes)
-    fix = std::string("send meshes by POST to ") + kApiRoot + "/processes/decompose/execution";
+  if (sends && !takes) fix = kSendMeshes;
   return make_problem(ProblemType::kMethodNotAllowed, head.method + " is not allowed here, but " + allowed,
                       fix);
+}
+
+Refusal nothing_here(const Router& router, const RequestHead& head) {
+  std::string fix = "see /api/v1/";
+  const std::string shorter = head.path.substr(0, head.path.find_last_not_of('/') + 1);
+  if (head.method == "POST" || head.method == "PUT") fix = kSendMeshes;
+  if (shorter != head.path && !router.match(head.method, shorter).allowed.empty())
+    fix = "leave out the / at the end";
+  return Refusal(ProblemType::kNotFound, "there is nothing at this address", fix);
+}
+
+Refusal malformed_query(const std::string& query) {
+  const auto told = [](const char* detail, const char* fix) {
+    return Refusal(ProblemType::kInvalidQueryParameter, detail, fix, "query");
+  };
+  std::string decoded;
+  if (!percent_decode(query, true, decoded))
+    return told("the query holds a % without two hexadecimal digits", "write a percent sign as %25");
+  if (std::any_of(decoded.begin(), decoded.end(), is_control))
+    return told("the query holds a control character", "leave it out; no parameter takes one");
+  return told("the query has too many parameters", "give 64 at most");
 }
 
 api::Problem problem_of(const StoreError& error, const std::string& request_id) {
@@ -132,7 +155,7 @@ Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) 
   if (!match.route && match.allowed.empty()) {
     if (!changes_something(request.head.method) && host_allowed(options_.auth, request.head))
       if (std::optional<Answer> file = page_.find(request.head)) return *file;
-    throw Refusal(ProblemType::kNotFound, "there is nothing at this address", "see /api/v1/");
+    throw nothing_here(router_, request.head);
   }
   if (!match.route)
     return placed(method_not_allowed(request.head, match.allowed), request, request_id)
@@ -140,9 +163,7 @@ Answer ApiServer::judge(GuardedRequest& request, const std::string& request_id) 
   Principal principal;
   judge_sender(*match.route, request, principal);
   Exchange exchange{request.head, request.body, request.peer, request_id, {}, match.captures, principal};
-  if (!parse_query(request.head.query, exchange.query))
-    throw Refusal(ProblemType::kInvalidQueryParameter, "the query is malformed",
-                  "escape special characters as %XX");
+  if (!parse_query(request.head.query, exchange.query)) throw malformed_query(request.head.query);
   // Who watches over a server may ask for its health with anything that keeps caches away.
   if (!match.route->scope.empty()) check_query(match.route->query, exchange.query);
   return match.route->handler(exchange);
@@ -154,7 +175,8 @@ void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, 
   if (!host_allowed(options_.auth, head) && head.path != "/healthz" && head.path != "/readyz")
     throw Refusal(ProblemType::kMisdirectedRequest,
                   "this server does not answer for the host " + host_name(head.field("host")),
-                  "start it with --public-url for the name it is reached by");
+                  "ask for localhost, or have it started with --public-url for the name it is reached by",
+                  "Host");
   if (changes_something(head.method) && !origin_allowed(options_.auth, head))
     throw Refusal(ProblemType::kForbidden, "the request comes from a page of another site",
                   "use the page of this server; start it with --public-url when it has a name of its own",
@@ -164,15 +186,21 @@ void ApiServer::judge_sender(const Route& route, const GuardedRequest& request, 
   if (known)
     principal = *known;
   else if (!open_to_all && (options_.auth.needed || !token.empty()))
-    throw Refusal(ProblemType::kUnauthorized,
-                  token.empty() ? "a token is needed" : "the token is not known here",
-                  "send Authorization: Bearer TOKEN");
+    throw Refusal(
+        ProblemType::kUnauthorized, token.empty() ? "a token is needed" : "the token is not known here",
+        token.empty()
+            ? "send Authorization: Bearer TOKEN"
+            : "send it whole, as it was given to you, or ask whoever runs this server for a new one",
+        "Authorization");
   else
     principal.scopes = "read submit jobs:all";
   if (!open_to_all && !principal.may(route.scope))
     throw Refusal(ProblemType::kForbidden, "this token may not do that", "it needs the scope " + route.scope);
   if (route.scope == "submit" && !rate_.take(principal.id > 0 ? principal.name : request.peer))
-    throw Refusal(ProblemType::kTooManyRequests, "too many jobs in a minute", "wait a little");
+    throw Refusal(
+        ProblemType::kTooManyRequests,
+        "these are more than " + std::to_string(service_.limits().submits_per_minute) + " jobs in a minute",
+        "wait half a minute; /api/v1/limits tells how many may come");
 }
 
 void ApiServer::report(const GuardedRequest& request, const Answer& answer, const Served& served) {

@@ -196,7 +196,8 @@ std::optional<HeadError> read_head(const Arrival& arrival, RequestHead& head) {
   HeadError error;
   switch (arrival.kind) {
     case Arrival::Kind::kTooLarge:
-      return HeadError{api::ProblemType::kHeadersTooLarge, "the head is too large"};
+      return HeadError{api::ProblemType::kHeadersTooLarge,
+                       "the head is larger than " + std::to_string(kHeadBytes) + " bytes"};
     case Arrival::Kind::kTooSlow:
       return HeadError{api::ProblemType::kRequestTimeout, "the head did not come"};
     case Arrival::Kind::kNotHttp:

@@ -58,14 +58,18 @@ bool has_strange_segment(std::string_view path) {
 }
 
 bool read_target(std::string_view target, RequestHead& head, HeadError& error) {
-  if (target.size() > kTargetBytes) return fail(error, "the address is too long", ProblemType::kUriTooLong);
+  if (target.size() > kTargetBytes)
+    return fail(error, "the address is longer than " + std::to_string(kTargetBytes) + " bytes",
+                ProblemType::kUriTooLong);
   if (target.empty() || target[0] != '/') return fail(error, "the address must be a path");
   for (const char c : target)
     if (is_control(c) || c == ' ' || c == '#' || static_cast<unsigned char>(c) >= 0x80)
       return fail(error, "the address holds a character that must be escaped");
   const std::size_t mark = target.find('?');
   const std::string_view path = target.substr(0, mark);
-  if (path.size() > kPathBytes) return fail(error, "the path is too long", ProblemType::kUriTooLong);
+  if (path.size() > kPathBytes)
+    return fail(error, "the path is longer than " + std::to_string(kPathBytes) + " bytes",
+                ProblemType::kUriTooLong);
   if (mark != std::string_view::npos) head.query = target.substr(mark + 1);
   if (!percent_decode(path, false, head.path)) return fail(error, "the path holds a broken escape");
   for (const char c : head.path)
@@ -105,7 +109,8 @@ bool read_field(std::string_view line, RequestHead& head, HeadError& error) {
   for (const char c : value)
     if (is_control(c) && c != '\t') return fail(error, "a header field holds a control character");
   if (head.fields.size() == kHeadFields)
-    return fail(error, "there are too many header fields", ProblemType::kHeadersTooLarge);
+    return fail(error, "there are more than " + std::to_string(kHeadFields) + " header fields",
+                ProblemType::kHeadersTooLarge);
   head.fields.emplace_back(lower(line.substr(0, colon)), value);
   return true;
 }
@@ -177,7 +182,9 @@ std::size_t find_head_end(std::string_view bytes, std::size_t search_from) {
 
 bool parse_request_head(std::string_view bytes, RequestHead& head, HeadError& error) {
   head = RequestHead();
-  if (bytes.size() > kHeadBytes) return fail(error, "the head is too large", ProblemType::kHeadersTooLarge);
+  if (bytes.size() > kHeadBytes)
+    return fail(error, "the head is larger than " + std::to_string(kHeadBytes) + " bytes",
+                ProblemType::kHeadersTooLarge);
   if (bytes.find('\0') != std::string_view::npos) return fail(error, "the head holds a zero byte");
   std::string_view line;
   if (!take_line(bytes, line)) return fail(error, "a line does not end with CR LF");

@@ -53,13 +53,17 @@ std::string beginning(const Upload& upload) {
   return bytes;
 }
 
+bool is_one_line(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c == '\t' || (c >= 0x20 && c < 0x7f); });
+}
+
 /// curl calls every body a form. Its -d takes the line breaks of a file away, and it goes on without a file
 /// that it does not find; both are no fault of the mesh.
 void explain_curl(const Upload& upload, api::Problem& problem) {
   if (upload.bytes() == 0) {
     problem.detail = "the request has no body";
     problem.fix = "with curl send the file by --data-binary @FILE; is there such a FILE?";
-  } else if (beginning(upload).find_first_of(std::string_view("\n\r\0", 3)) == std::string::npos) {
+  } else if (is_one_line(beginning(upload))) {
     problem.fix = "with curl send the file by --data-binary @FILE; -d takes its line breaks away";
   }
 }

@@ -20,7 +20,7 @@ using api::ProblemType;
   std::string names;
   for (const StoredOutput& o : outputs) names += (names.empty() ? "" : ", ") + o.name;
   throw Refusal(ProblemType::kNoSuchOutput, "the result has no file " + name.substr(0, 60),
-                "there are " + names);
+                "there are " + names + "; other formats are made under .../exports");
 }
 
 /// The outputs that `outputs=a,b` names, all without it.

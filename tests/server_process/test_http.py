@@ -200,6 +200,46 @@ class Malformed(ServerCase):
         self.assertEqual(self.server.get("/healthz").status, 200)
 
 
+class Advice(ServerCase):
+    """Common slips, each with what to do instead."""
+
+    def told(self, method, path, body=None, **headers):
+        answer = self.server.request(method, path, body, headers, check=False)
+        self.assertGreaterEqual(answer.status, 400)
+        problem = answer.json()
+        return f"{problem['detail']} / {problem['fix']} / {problem.get('where')}"
+
+    def test_addresses(self):
+        for path in ("/api/v1/jobs/", "/api/v1/processes/", "/metrics/", "/api/v1/jobs/x/events/"):
+            self.assertIn("leave out the / at the end", self.told("GET", path))
+        self.assertNotIn("leave out", self.told("GET", "/nothing/"))
+        for method in ("POST", "PUT"):
+            self.assertIn("by POST to " + EXECUTION, self.told(method, "/lamp.stl", b"x"))
+        self.assertIn("512 bytes", self.told("GET", "/" + "a" * 600))
+        self.assertIn("4096 bytes", self.told("GET", "/?" + "a" * 5000))
+        self.assertIn("64 header fields", self.told("GET", "/", **{f"X{i}": "1" for i in range(70)}))
+        self.assertIn("16384 bytes", self.told("GET", "/", X="a" * 16400))
+
+    def test_queries(self):
+        self.assertIn("as %25 / query", self.told("POST", EXECUTION + "?e_max=2%", TRIANGLE))
+        self.assertIn("control character", self.told("GET", "/api/v1/jobs?tag=%0a"))
+        self.assertIn("64 at most", self.told("GET", "/api/v1/jobs?" + "a=1&" * 70))
+
+    def test_senders(self):
+        self.assertIn("localhost", self.told("GET", "/api/v1/jobs", Host="evil.example.org"))
+        self.assertIn("send it whole", self.told("GET", "/api/v1/jobs", Authorization="Bearer sf_no"))
+
+    def test_archives_are_no_lines_of_text(self):
+        with Server(fake=False) as server:
+            for content, word in ((b"PK\x03\x04" + b"a" * 40, "unpack it"), (b"v 0 0 0v 1 0 0", "line breaks")):
+                answer = server.request("POST", EXECUTION, content, {"Content-Type": "application/x-www-form-urlencoded"})
+                self.assertIn(word, answer.json()["fix"])
+
+    def test_files_of_other_formats(self):
+        job = self.server.wait(self.server.submit()["jobID"])["jobID"]
+        self.assertIn(".../exports", self.told("GET", f"/api/v1/jobs/{job}/results/layout.dxf"))
+
+
 class Expect(ServerCase):
     def test_refusal_comes_before_the_body(self):
         with socket.create_connection(("127.0.0.1", self.server.port), timeout=10) as s:
