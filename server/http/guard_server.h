@@ -19,8 +19,9 @@ struct GuardOptions {
   int threads = 512;  ///< connections that are answered at once; event streams count
 };
 
-/// Options for a process that may have so many descriptors: a quarter of them for connections that wait, a half
-/// for those that are answered (socket and file), the rest for the store and the jobs, whatever strangers hold.
+/// Options for a process that may have so many descriptors: a quarter of them for connections that wait, a
+/// half for those that are answered (socket and file), the rest for the store and the jobs, whatever
+/// strangers hold.
 GuardOptions options_within(std::uint64_t descriptors);
 
 /// A request whose head has been read, or could not be.
