@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <tuple>
@@ -372,7 +373,7 @@ class ComponentRun {
         (parts > kManyParts && round >= kOutlineRounds))
       return best;
     for (std::size_t k = outline + 1; k < outlines.size() && !best.good(); ++k) {
-      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds);
+      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds, best.bad());
       if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outline = k;
     }
     SpacingBounds narrow = bounds;
@@ -385,7 +386,9 @@ class ComponentRun {
     return best;
   }
 
-  Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds) {
+  // Given up where as many patches as `to_beat` stay invalid.
+  Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds,
+                std::size_t to_beat = std::numeric_limits<std::size_t>::max()) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
     fine.normal_deviation *= params_.margin;
@@ -394,12 +397,12 @@ class ComponentRun {
     fine.bounds = bounds;
     FinalPass pass(lane_->surface, search.network().network(), search.layout(), fine, search.evaluator(),
                    context_);
-    Attempt best = best_of(pass, fine);
+    Attempt best = best_of(pass, fine, to_beat);
     result_.counts += pass.counts();
     return best;
   }
 
-  Attempt best_of(FinalPass& pass, const EvaluationParams& fine) {
+  Attempt best_of(FinalPass& pass, const EvaluationParams& fine, std::size_t to_beat) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       context_.checkpoint();
@@ -414,10 +417,12 @@ class ComponentRun {
       stale = better ? 0 : stale + 1;
       pass.draw_to(attempt.far);
       bool eased = pass.plainer(attempt.hard);
-      eased |= pass.plainer(attempt.invalid);
+      const bool mended = pass.plainer(attempt.invalid), lost = attempt.invalid.size() >= to_beat && !mended;
+      eased |= mended;
       const std::vector<int> too_far = attempt.too_far;
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
       if (best.invalid.empty() && best.miss > kLost && stale >= 4) break;
+      if (lost) break;
       if (eased) continue;
       if (too_far.empty()) break;
       if (stale >= 2) {
