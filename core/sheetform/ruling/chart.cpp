@@ -323,33 +323,30 @@ std::optional<Rows2> unrolled_outline(const SurfaceMesh& mesh, const InnerSolver
   return outline;
 }
 
-// What a triangle of the rest state says in every local step.
-struct RestStep {
-  std::array<int, 3> row;     // of its corners
-  std::array<Vector2, 3> by;  // sides opposite of them, times their cotangents
-};
-
-// One local step: rotations and the right-hand side; returns the energy of the current map, but for the part
-// that does not change.
-double local_step(const std::vector<RestStep>& steps, const std::vector<RestTriangle>& rest, const Rows2& x,
-                  Rows2& rhs) {
+// One local step: rotations and the right-hand side; returns the energy of the current map. Triangles by the
+// rows of their corners in x.
+double local_step(const std::vector<RestTriangle>& rest, const std::vector<std::array<int, 3>>& triangles,
+                  const Rows2& x, Rows2& rhs) {
   rhs.setZero();
   double energy = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const auto& [row, by] = steps[i];
-    const Vector2 at[3] = {x.row(row[0]), x.row(row[1]), x.row(row[2])};
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const RestTriangle& r = rest[i];
+    const auto& t = triangles[i];
+    const Vector2 at[3] = {x.row(t[0]), x.row(t[1]), x.row(t[2])};
+    Vector2 now[3], then[3], turned[3];  // sides opposite of the corners
     double a = 0, b = 0;
     for (int k = 0; k < 3; ++k) {
-      const Vector2 now = at[(k + 2) % 3] - at[(k + 1) % 3];
-      a += now.dot(by[k]), b += cross(by[k], now);
-      energy += rest[i].cot[k] * now.squaredNorm();
+      now[k] = at[(k + 2) % 3] - at[(k + 1) % 3], then[k] = r.p[(k + 2) % 3] - r.p[(k + 1) % 3];
+      a += r.cot[k] * now[k].dot(then[k]), b += r.cot[k] * cross(then[k], now[k]);
     }
-    const double norm = std::max(std::sqrt(a * a + b * b), 1e-300);
-    energy -= 2 * norm;  // the best turn makes it that much less
-    a /= norm, b /= norm;
-    Vector2 turned[3];
-    for (int k = 0; k < 3; ++k) turned[k] = {a * by[k].x() - b * by[k].y(), b * by[k].x() + a * by[k].y()};
-    for (int k = 0; k < 3; ++k) rhs.row(row[k]) += (turned[(k + 1) % 3] - turned[(k + 2) % 3]).transpose();
+    const double scale = 1 / std::max(std::sqrt(a * a + b * b), 1e-300);
+    a *= scale, b *= scale;
+    for (int k = 0; k < 3; ++k) {
+      turned[k] = {a * then[k].x() - b * then[k].y(), b * then[k].x() + a * then[k].y()};
+      energy += r.cot[k] * (now[k] - turned[k]).squaredNorm();
+      turned[k] *= r.cot[k];
+    }
+    for (int k = 0; k < 3; ++k) rhs.row(t[k]) += (turned[(k + 1) % 3] - turned[(k + 2) % 3]).transpose();
   }
   return energy;
 }
@@ -358,19 +355,14 @@ double local_step(const std::vector<RestStep>& steps, const std::vector<RestTria
 void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
           const Solver& solver, const Rows2& start, PatchChart& chart) {
   const int n = static_cast<int>(place.size());
-  std::vector<RestStep> steps(rest.size());
-  double at_rest = 0;
-  for (std::size_t i = 0; i < rest.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const Vector2 side = rest[i].p[(k + 2) % 3] - rest[i].p[(k + 1) % 3];
-      steps[i].row[k] = place[chart.triangles[i][k]], steps[i].by[k] = rest[i].cot[k] * side;
-      at_rest += steps[i].by[k].dot(side);
-    }
+  std::vector<std::array<int, 3>> triangles = chart.triangles;
+  for (auto& t : triangles)
+    for (int& v : t) v = place[v];
   Rows2 x(n, 2), rhs(n, 2);
   for (int v = 0; v < n; ++v) x.row(place[v]) = start.row(v);
   double last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
-    const double energy = at_rest + local_step(steps, rest, x, rhs);
+    const double energy = local_step(rest, triangles, x, rhs);
     if (it > 0 && last - energy < params.stop * last) break;
     last = energy;
     rhs.row(n - 1) += x.row(n - 1);  // pinned: the only freedom left
