@@ -34,6 +34,8 @@ void put_quality(const Quality& q, CsvTable& t) {
   t.put("small_parts", q.small_parts);
   t.put("narrow_parts", q.narrow_parts);
   t.put("creases_kept", q.creases_kept < 0 ? std::string() : std::to_string(q.creases_kept));
+  t.put("sharp_kept", q.sharp_kept < 0 ? std::string() : std::to_string(q.sharp_kept));
+  t.put("sharp_length", q.sharp_length);
   t.put("self_seams", q.self_seams);
   t.put("t_junctions", q.t_junctions);
 }
@@ -57,9 +59,10 @@ void row(const InputMesh& input, const DecomposeParams& params, const Options& o
       100 * q.input_to_result, 100 * q.result_to_input, 100 * q.mean_distance, q.normal_deviation,
       q.normal_deviation_p95);
   std::printf(
-      " aligned %s, bend %.1f deg, least part %.2f %% of the area, %.1f %% wide, creases kept %s, %.1f s%s\n",
+      " aligned %s, bend %.1f deg, least part %.2f %% of the area, %.1f %% wide, creases kept %s (all sharp "
+      "edges: %s), %.1f s%s\n",
       share(q.aligned).c_str(), q.bend, 100 * q.smallest_area, 100 * q.narrowest,
-      share(q.creases_kept).c_str(), seconds,
+      share(q.creases_kept).c_str(), share(q.sharp_kept).c_str(), seconds,
       std::max(q.input_to_result, q.result_to_input) <= params.e_max ? "" : ", TOLERANCE NOT MET");
   std::fflush(stdout);
 }

@@ -129,7 +129,32 @@ void parts(const StripMesh& strips, double diagonal, Quality& q) {
   q.narrowest = narrowest / diagonal;
 }
 
-// Crease edges whose middle is within half a percent of an arch.
+double height(const SurfaceMesh& mesh, int f) {
+  double longest = 0;
+  for (int e : mesh.face_edges[f]) longest = std::max(longest, mesh.edge_length(e));
+  return longest > 0 ? mesh.face_normal_raw(f).norm() / longest : 0;
+}
+
+// Edges that fold by 40 degrees and more between faces high enough to have a normal.
+bool is_sharp(const Reference& r, int e) {
+  const auto& edge = r.mesh.edges[e];
+  if (edge.border()) return false;
+  const double least = 5e-4 * r.diagonal;
+  return angle(r.mesh.face_normal_raw(edge.f0), r.mesh.face_normal_raw(edge.f1)) >= 40 &&
+         height(r.mesh, edge.f0) >= least && height(r.mesh, edge.f1) >= least;
+}
+
+// Length of an edge, and of what lies within half a percent of an arch.
+std::pair<double, double> followed(const Reference& r, int e, const ClosestPointTree& arches) {
+  const Vector3 &a = r.mesh.points[r.mesh.edges[e].v0], &b = r.mesh.points[r.mesh.edges[e].v1];
+  const double length = (b - a).norm();
+  const int n = std::max(1, static_cast<int>(std::ceil(length / (0.005 * r.diagonal))));
+  int near = 0;
+  for (int i = 0; i < n; ++i)
+    near += arches.closest(a + (i + 0.5) / n * (b - a)).squared_distance < 2.5e-5 * r.diagonal * r.diagonal;
+  return {length, length * near / n};
+}
+
 void creases(const Reference& r, const StripMesh& strips, Quality& q) {
   const std::vector<char> crease = detect_creases(r.mesh, 40);
   std::vector<std::array<int, 3>> segments;
@@ -137,15 +162,17 @@ void creases(const Reference& r, const StripMesh& strips, Quality& q) {
     for (std::size_t i = 0; i + 1 < a.vertices.size(); ++i)
       segments.push_back({a.vertices[i], a.vertices[i + 1], a.vertices[i + 1]});
   const ClosestPointTree arches(strips.points, segments);
-  double all = 0, kept = 0;
+  double all = 0, kept = 0, sharp = 0, sharp_kept = 0;
   for (int e = 0; e < r.mesh.edge_count(); ++e) {
-    if (!crease[e]) continue;
-    const double length = r.mesh.edge_length(e);
-    const Vector3 middle = (r.mesh.points[r.mesh.edges[e].v0] + r.mesh.points[r.mesh.edges[e].v1]) / 2;
-    all += length;
-    if (arches.closest(middle).squared_distance < 2.5e-5 * r.diagonal * r.diagonal) kept += length;
+    const bool counts = is_sharp(r, e);
+    if (!crease[e] && !counts) continue;
+    const auto [length, near] = followed(r, e, arches);
+    if (crease[e]) all += length, kept += near;
+    if (counts) sharp += length, sharp_kept += near;
   }
   if (all > 0) q.creases_kept = kept / all;
+  if (sharp > 0) q.sharp_kept = sharp_kept / sharp;
+  q.sharp_length = sharp / r.diagonal;
 }
 
 void nodes(const StripMesh& strips, Quality& q) {

@@ -17,6 +17,8 @@ struct Quality {
   int small_parts = 0;       ///< below 0.3 % of the area
   int narrow_parts = 0;      ///< below 2 % of the diagonal
   double creases_kept = -1;  ///< share of the crease length (40 degrees) that lies on arches; -1: no creases
+  double sharp_kept = -1;    ///< the same of all edges of 40 degrees and more, roughness and ridges too
+  double sharp_length = 0;   ///< of those edges, in diagonals
   int self_seams = 0, t_junctions = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace sheetform {
 namespace {
@@ -14,6 +15,9 @@ constexpr double kSharpMore = 25;       // over the asked angle: then a less cle
 constexpr double kLeastLoop = 0.04, kLeastNetwork = 0.06;
 constexpr double kLooseAtBorder = 0.15, kLooseAtCrease = 0.35, kLooseBoth = 0.5;
 constexpr double kMostZigzag = 8, kMostZigzagLoose = 6, kMostTurn = 30;  // per vertex of a chain
+constexpr double kLeastAnchor = 0.1;  // of the creases that a smooth chain hangs on with its one held end ...
+constexpr double kAnchored = 0.2;     // ... of the length that it needs otherwise
+constexpr double kJag = 0.25;         // of the middle edge of a chain: shorter steps are no turns of it
 constexpr int kMostPasses = 50;
 constexpr double kConfirmed = 20;   // between the normals of a sliver and a neighbour
 constexpr double kSliver = 0.01;    // height over longest side below which a face has no normal of its own
@@ -145,8 +149,15 @@ class CreaseNetwork {
   Chain walk(int v, int e, std::vector<char>& seen) const;
   std::vector<Chain> chains() const;
   ChainShape shape(const Chain& chain) const;
-  bool keep(const Chain& chain, const ChainShape& s) const;
+  // Straight from crease to crease: its sides may curve back.
+  bool is_bridge(const Chain& chain, const ChainShape& s) const {
+    return s.loose_ends == 0 && !chain.closed && chain.edges.size() <= 2 && s.dihedral >= angle_ &&
+           s.turn < kMostTurn;
+  }
+  bool keep(const Chain& chain, const ChainShape& s, double anchor) const;
   bool drop_chains();
+  std::vector<double> anchor_lengths(const std::vector<Chain>& chains,
+                                     const std::vector<ChainShape>& shapes) const;
   bool drop_networks();
   void erase(const std::vector<int>& edges) {
     for (int e : edges) marks_[e] = kNone;
@@ -215,21 +226,40 @@ std::vector<Chain> CreaseNetwork::chains() const {
   return found;
 }
 
-// Mean turning per vertex, and what of it is not there at twice the spacing: zigzag, not bend.
+// The vertices of a chain but for those much nearer to the one before than is usual in it: what turns there
+// is finer than the chain. Keeps both ends.
+std::vector<int> without_jags(const SurfaceMesh& mesh, const Chain& chain) {
+  std::vector<double> lengths;
+  for (int e : chain.edges) lengths.push_back(mesh.edge_length(e));
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  const double least = kJag * *middle;
+  std::vector<int> kept{chain.vertices.front()};
+  for (std::size_t i = 1; i + 1 < chain.vertices.size(); ++i)
+    if ((mesh.points[chain.vertices[i]] - mesh.points[kept.back()]).norm() >= least)
+      kept.push_back(chain.vertices[i]);
+  if (kept.size() > 1 && (mesh.points[chain.vertices.back()] - mesh.points[kept.back()]).norm() < least)
+    kept.pop_back();
+  kept.push_back(chain.vertices.back());
+  return kept;
+}
+
+// Mean turning per vertex, and what of it is not there at twice the spacing: zigzag, not bend. A corner turns
+// as much at twice the spacing, but at its neighbours too: only the sums can be compared.
 void measure_turning(const SurfaceMesh& mesh, const Chain& chain, ChainShape& s) {
-  const int n = static_cast<int>(chain.edges.size());
-  auto point = [&](int i) { return mesh.points[chain.vertices[chain.closed ? (i + n) % n : i]]; };
+  const std::vector<int> vertices = without_jags(mesh, chain);
+  const int n = static_cast<int>(vertices.size()) - 1;
+  auto point = [&](int i) { return mesh.points[vertices[chain.closed ? (i + n) % n : i]]; };
   const int margin = chain.closed ? 0 : 2;
   int turns = 0, wiggles = 0;
   for (int i = chain.closed ? 0 : 1; i < n; ++i) {
     const double turn = degrees_between(point(i) - point(i - 1), point(i + 1) - point(i));
     s.turn += turn, ++turns;
     if (i < margin || i > n - margin) continue;
-    s.zigzag += std::max(0.0, turn - degrees_between(point(i) - point(i - 2), point(i + 2) - point(i)) / 2),
-        ++wiggles;
+    s.zigzag += turn - degrees_between(point(i) - point(i - 2), point(i + 2) - point(i)) / 2, ++wiggles;
   }
   s.turn /= std::max(1, turns);
-  s.zigzag /= std::max(1, wiggles);
+  s.zigzag = std::max(0.0, s.zigzag / std::max(1, wiggles));
 }
 
 ChainShape CreaseNetwork::shape(const Chain& chain) const {
@@ -250,26 +280,56 @@ ChainShape CreaseNetwork::shape(const Chain& chain) const {
   return s;
 }
 
-bool CreaseNetwork::keep(const Chain& chain, const ChainShape& s) const {
-  if (s.weak > 0.6 * s.length) return false;
+bool CreaseNetwork::keep(const Chain& chain, const ChainShape& s, double anchor) const {
+  if (s.weak > 0.6 * s.length && !is_bridge(chain, s)) return false;
   if (s.zigzag > kMostZigzag && chain.edges.size() > 4) return false;
   if (chain.closed)
     return s.length >= kLeastLoop * diagonal_ &&
            (chain.edges.size() >= 8 || s.dihedral >= angle_ + kSharpMore);
   if (s.loose_ends == 0) return true;
   const double least = s.loose_ends == 2 ? kLooseBoth : s.at_border ? kLooseAtBorder : kLooseAtCrease;
+  const bool smooth = s.zigzag < 1.5 && s.turn < 15 && s.weak < 0.3 * s.length;
+  if (smooth && anchor >= kLeastAnchor * diagonal_ && s.length >= kAnchored * least * diagonal_) return true;
   return s.length >= least * diagonal_ && s.weak < 0.4 * s.length && s.zigzag < kMostZigzagLoose;
+}
+
+// For each chain with one loose end: how long the creases without loose ends are that its other end hangs on.
+std::vector<double> CreaseNetwork::anchor_lengths(const std::vector<Chain>& chains,
+                                                  const std::vector<ChainShape>& shapes) const {
+  std::vector<int> parent(mesh_.points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  auto root = [&](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (std::size_t k = 0; k < chains.size(); ++k)
+    if (shapes[k].loose_ends == 0)
+      for (int v : chains[k].vertices) parent[root(v)] = root(chains[k].vertices.front());
+  std::vector<double> length(parent.size(), 0), anchor(chains.size(), 0);
+  for (std::size_t k = 0; k < chains.size(); ++k)
+    if (shapes[k].loose_ends == 0) length[root(chains[k].vertices.front())] += shapes[k].length;
+  for (std::size_t k = 0; k < chains.size(); ++k)
+    if (shapes[k].loose_ends == 1) {
+      const Chain& c = chains[k];
+      anchor[k] = length[root(is_loose(c.vertices.front()) ? c.vertices.back() : c.vertices.front())];
+    }
+  return anchor;
 }
 
 bool CreaseNetwork::drop_chains() {
   bool any = false;
-  for (const Chain& chain : chains()) {
-    const ChainShape s = shape(chain);
+  const std::vector<Chain> all = chains();
+  std::vector<ChainShape> shapes;
+  for (const Chain& chain : all) shapes.push_back(shape(chain));
+  const std::vector<double> anchors = anchor_lengths(all, shapes);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Chain& chain = all[k];
+    const ChainShape& s = shapes[k];
     const bool smooth =
         s.zigzag < kMostZigzag && (s.turn < kMostTurn || chain.closed || chain.edges.size() <= 2);
     const bool good = s.length >= kLeastLoop * diagonal_ && smooth;
     for (int e : chain.edges) good_[e] = good ? mesh_.edge_length(e) : 0;
-    if (keep(chain, s)) continue;
+    if (keep(chain, s, anchors[k])) continue;
     erase(chain.edges);
     any = true;
   }

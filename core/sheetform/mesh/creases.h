@@ -14,7 +14,8 @@ namespace sheetform {
 /// the two sides within two edge lengths): a rounded ridge turns over several edges, roughness turns back.
 /// Weaker edges (two thirds of the angle) join gaps. The chains that result must be long, straight beyond the
 /// zigzag of edges, and closed or ending at borders or other creases; chains with a loose end only count when
-/// they are long. Wants a mesh whose edges follow its creases. O(n) but for chains; deterministic.
+/// they are long, or smooth and held by other creases at the other end. Wants a mesh whose edges follow its
+/// creases. O(n) but for chains; deterministic.
 std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees,
                                  const RunContext& context = {});
 

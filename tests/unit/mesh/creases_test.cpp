@@ -80,6 +80,57 @@ TEST(Creases, ARoundedFoldIsNone) {
   EXPECT_EQ(count(detect_creases(m, 25)), 0);
 }
 
+// A prism over a regular polygon, two edges a side: its rims turn at every other vertex only.
+TriangleSoup prism(int sides) {
+  TriangleSoup soup = shapes::closed_cylinder(2 * sides, 6);
+  const double middle = std::cos(shapes::kPi / sides);
+  for (Vector3& p : soup.points) {
+    const double turn = std::atan2(p.y(), p.x()) * sides / shapes::kPi;
+    if (std::lround(turn) % 2 != 0) p.x() *= middle, p.y() *= middle;
+  }
+  return soup;
+}
+
+TEST(Creases, CornersAreNoZigzag) {
+  // Ten sides meet at 36 degrees: the rims are creases, what runs up the wall is none.
+  EXPECT_EQ(count(detect_creases(build(prism(10)), 40)), 40);
+}
+
+TEST(Creases, JagsFinerThanAFoldDoNotHideIt) {
+  // Every other row of points is moved next to the one before and aside: short edges across the fold.
+  const double slope = std::tan(shapes::kPi / 4), jag = 0.004;
+  const SurfaceMesh m = build(shapes::grid({24, 24}, [=](double u, double v) {
+    const int row = static_cast<int>(std::lround(24 * v));
+    const bool odd = row % 2 != 0;
+    return Vector3(u + (odd ? jag : 0), odd ? (row - 1) / 24.0 + jag : v, -slope * std::abs(u - 0.5));
+  }));
+  EXPECT_EQ(count(detect_creases(m, 40)), 24);
+}
+
+TEST(Creases, AnEdgeBetweenSidesThatCurveBackCounts) {
+  // 54 degrees along the one edge from border to border, 16 of which the sheet takes back on both sides.
+  const SurfaceMesh m = build(shapes::grid({20, 1}, [](double u, double v) {
+    const double x = std::abs(u - 0.5), near = std::min(x, 0.1);
+    return Vector3(u, v,
+                   -near * std::tan(27 * shapes::kPi / 180) - (x - near) * std::tan(16 * shapes::kPi / 180));
+  }));
+  EXPECT_EQ(count(detect_creases(m, 40)), 1);
+}
+
+TEST(Creases, AShortFoldThatFadesCountsWhereItStartsAtACrease) {
+  // A wall with a gable, and a roof whose ridge fades: a fifth of the diagonal long.
+  const auto slope = [](double y) {
+    return std::tan(35 * std::clamp((0.35 - y) / 0.2, 0.0, 1.0) * shapes::kPi / 180);
+  };
+  const SurfaceMesh m = build(shapes::grid({12, 96}, [&](double u, double v) {
+    const double x = 0.2 * (u - 0.5), y = std::max(0.0, 2 * v - 1), down = std::min(0.0, 2 * v - 1);
+    return Vector3(x, y, down - slope(y) * std::abs(x));
+  }));
+  const int n = count(detect_creases(m, 40));
+  EXPECT_GE(n, 12 + 12);
+  EXPECT_LE(n, 12 + 14);
+}
+
 TEST(Creases, RoughnessIsNone) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> u(-1, 1);
