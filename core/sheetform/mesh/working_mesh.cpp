@@ -50,6 +50,8 @@ bool loses_detail(const SurfaceMesh& input, const ClosestPointTree& input_tree, 
 
 // Height below which triangles say nothing about creases.
 constexpr double kSliver = 5e-4;
+// Width of a region between creases that no part needs to have of its own, in tolerances.
+constexpr double kNarrow = 0.25;
 
 }  // namespace
 
@@ -58,7 +60,9 @@ PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree
   const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, kSliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
   context.checkpoint();
-  if (params.crease_angle) crease = detect_creases(mesh, *params.crease_angle, context);
+  if (params.crease_angle)
+    crease = without_narrow_regions(mesh, detect_creases(mesh, *params.crease_angle, context),
+                                    kNarrow * params.e_max);
   context.checkpoint();
   double wanted = working_edge_length(mesh, params);
   const double present = mean_edge_length(mesh);

@@ -147,5 +147,53 @@ TEST(Creases, EdgesWithoutAreaDoNoHarm) {
   EXPECT_EQ(count(detect_creases(build(s), 40)), 0);
 }
 
+// A sheet folded twice by 45 degrees, along lines that are so far apart.
+SurfaceMesh chamfered(double width) {
+  return build(shapes::grid({4, 24}, [=](double u, double v) {
+    const double x = std::vector<double>{0, 0.5, 0.5 + std::sqrt(0.5) * width, 0.5 + std::sqrt(0.5) * width,
+                                         0.5 + std::sqrt(0.5) * width}[std::lround(4 * u)];
+    const double z = std::vector<double>{0, 0, -std::sqrt(0.5) * width, -0.25, -0.5}[std::lround(4 * u)];
+    return Vector3(x, v, z);
+  }));
+}
+
+TEST(NarrowRegions, AChamferIsOneLineWhereItIsNarrow) {
+  const SurfaceMesh m = chamfered(0.01);
+  const std::vector<char> crease = detect_creases(m, 40);
+  ASSERT_EQ(count(crease), 48);
+  EXPECT_EQ(count(without_narrow_regions(m, crease, 0.005)), 48);
+  EXPECT_EQ(count(without_narrow_regions(m, crease, 0.02)), 24);
+}
+
+TEST(NarrowRegions, TheWallsOfAThinPlateStay) {
+  const SurfaceMesh m = build(shapes::box(6, {1, 1.5, 0.01}));
+  const std::vector<char> crease = detect_creases(m, 40);
+  EXPECT_EQ(without_narrow_regions(m, crease, 0.03), crease);
+}
+
+TEST(NarrowRegions, ChamfersThatMeetLeaveNoLooseEnds) {
+  // A box whose upper edges are cut off at 45 degrees.
+  TriangleSoup soup = shapes::box(10, {1, 1, 1});
+  for (Vector3& p : soup.points) {
+    if (p.z() < 0.5 - 1e-9) continue;
+    for (double* x : {&p.x(), &p.y()})
+      if (std::abs(std::abs(*x) - 0.4) < 1e-9) *x = std::copysign(0.49, *x);
+    if (std::max(std::abs(p.x()), std::abs(p.y())) > 0.5 - 1e-9) p.z() = 0.49;
+  }
+  const SurfaceMesh m = build(soup);
+  const std::vector<char> crease = detect_creases(m, 40), left = without_narrow_regions(m, crease, 0.04);
+  EXPECT_LE(count(left), count(crease) - 30);  // of a rim of 40 on either side of the cut
+  for (int v = 0; v < m.vertex_count(); ++v) {
+    const auto ends = std::count_if(m.ring_begin_of(v), m.ring_end_of(v), [&](int e) { return left[e]; });
+    EXPECT_NE(ends, 1) << m.points[v].transpose();
+  }
+}
+
+TEST(NarrowRegions, AThinRodStaysAsItIs) {
+  const SurfaceMesh m = build(shapes::box(4, {1, 0.01, 0.01}));
+  const std::vector<char> crease = detect_creases(m, 40);
+  EXPECT_EQ(without_narrow_regions(m, crease, 0.05), crease);
+}
+
 }  // namespace
 }  // namespace sheetform
