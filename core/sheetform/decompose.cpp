@@ -71,6 +71,7 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
 
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
 constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
+constexpr double kMostCloser = 0.3;         // of the tolerance: so much closer a symmetric result may be held
 // How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
 constexpr double kDrawnSlack = 0.005;
 
@@ -403,7 +404,9 @@ class Sweep {
   }
 
   // What is left of the tolerance; the two distances hardly ever add up in one place.
-  double reach(double e_max) const { return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) : e_max; }
+  double reach(double e_max) const {
+    return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) - closer_ : e_max;
+  }
 
   ComponentInput component_input(const Piece& piece, const Variant& variant, const RunContext& context) {
     ComponentInput input;
@@ -526,6 +529,7 @@ class Sweep {
       return;
     }
     fill_report(d, norm_, d.params.e_max);
+    if (half_ && !d.report.e_max_met && solve_closer(d, context)) return;
     report_normals(d);
     report_bending(d);
     report_spacing(d, norm_);
@@ -546,6 +550,25 @@ class Sweep {
     const double reach = (d.params.e_max + kDrawnSlack) * norm_.diagonal;
     const auto unmet = unmet_guides(d.guides, repaired_.mesh, d.strips, reach, context_);
     notes.insert(notes.end(), unmet.begin(), unmet.end());
+  }
+
+  // Where the sheets and the symmetric likeness of the input are off in one place after all: once more,
+  // closer to the likeness. Whether that is better.
+  bool solve_closer(Decomposition& d, RunContext& context) const {
+    const double e_max = d.params.e_max, closer = closer_ + 1.1 * (d.report.hausdorff - e_max);
+    if (closer > kMostCloser * e_max) return false;
+    DecomposeParams params = d.params;
+    params.e_max_mm.reset();
+    params.symmetry = SymmetryMode::kPlane;
+    Sweep again(input_, params, field_, guides_, context);
+    again.closer_ = closer;
+    Decomposition found = again.run({}).front();
+    if (!found.mirror_plane || found.report.hausdorff >= d.report.hausdorff) return false;
+    for (const auto& [name, s] : d.report.timings) found.report.timings[name] += s;
+    found.report.counts += d.report.counts;
+    found.params.symmetry = d.params.symmetry;
+    d = std::move(found);
+    return true;
   }
 
   Decomposition without_symmetry(const Decomposition& d, RunContext& context) const {
@@ -569,6 +592,7 @@ class Sweep {
   Normalisation norm_;
   SurfaceMesh mesh_;  // in diagonals around the origin, the half of a symmetric one
   std::optional<SymmetricHalf> half_;
+  double closer_ = 0;                     // of the tolerance: kept free for what a symmetric likeness is off
   std::vector<ComponentGuides> strokes_;  // in the coordinates of mesh_
   std::vector<char> followed_;            // by drawn seam: it is in the mesh
   TriangleSoup user_soup_;

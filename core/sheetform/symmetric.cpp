@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOnPlane = 1e-12;   // of the diagonal: cut_half moves points exactly there
 constexpr double kDetail = 0.05;     // of the tolerance: what may be snapped to the plane
-constexpr double kTrusted = 0.25;    // of the tolerance: a plane that is found has to fit that well
+constexpr double kTrusted = 0.5;     // of the tolerance: a plane that is found has to fit that well
 constexpr double kAxisAngle = 1e-3;  // radians: a plane so near to an axis is tried there
 constexpr std::size_t kMostPlanes = 4;
 

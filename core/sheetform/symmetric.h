@@ -44,7 +44,7 @@ struct SymmetricHalf {
 std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane& plane, double reach,
                                             double detail, Asymmetry& why);
 
-/// The half for the best plane that detect_symmetry finds: the mesh deviates by a quarter of e_max at most,
+/// The half for the best plane that detect_symmetry finds: the mesh deviates by half of e_max at most,
 /// and of planes alike the one with the shortest cut. None when there is no such plane. Cost: that of
 /// detect_symmetry, and a cut and two distance fields for each of at most four planes.
 std::optional<SymmetricHalf> find_symmetric_half(const SurfaceMesh& mesh, double e_max,
