@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kPersistEvery = 5;     // percent; finer progress is live only
 constexpr int kHandOver = 10;        // seconds for a sweep whose time is up to hand over what it has
 constexpr int kPublishAgain = 2000;  // milliseconds until a result that the store refused is tried again
+constexpr int kPublishTries = 5;     // of a result that the disk refuses for another reason than lack of room
 
 /// A folder that is gone when its owner is.
 class AttemptFolder {
@@ -183,32 +184,35 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
   }
 }
 
-/// Whether the result is published; false when the store cannot take it now, and the reason in `why`.
-bool try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                 const WorkerMessage::Result& result, std::string& why) {
+/// Why the store does not take the result now; nothing when it is published.
+std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+                                        const WorkerMessage::Result& result) {
   try {
     publish(parts, claimed, folder, result);
-    return true;
+    return std::nullopt;
   } catch (const StoreError& e) {
     if (e.kind() == StoreFailure::kRefused) throw;
-    why = e.kind() == StoreFailure::kFull ? "the server's disk is full" : "the store is busy";
-    return false;
+    log_warning("a result waits for the store", {{"job", claimed.job.id}, {"reason", e.what()}});
+    return e.kind();
   }
 }
 
 /// Publishes, or turns a failure to do so into another verdict. A result that has been computed is not thrown
-/// away because the disk is full: it waits until there is room, or until the attempt is stopped.
+/// away because the disk is full: it waits until there is room, or until the attempt is stopped. A disk that
+/// refuses it again and again is another matter.
 Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
                          const WorkerMessage::Result& result, const StopSignal& stop, Verdict verdict) {
-  std::string why;
   try {
-    while (!try_publish(parts, claimed, folder, result, why)) {
-      log_warning("a result waits for the store", {{"job", claimed.job.id}, {"reason", why}});
+    int refused = 0;
+    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result)) {
+      if (why == StoreFailure::kDisk && ++refused == kPublishTries)
+        return judge_disk(claimed.job, parts.limits);
       pollfd stopped{stop.descriptor(), POLLIN, 0};
       if (::poll(&stopped, 1, kPublishAgain) == 0) continue;
       verdict.action = Verdict::Action::kRequeue;
       verdict.outcome = "io";
-      verdict.problem.detail = why;
+      verdict.problem.detail =
+          why == StoreFailure::kFull ? "the server's disk is full" : "the store could not take the result";
       verdict.counted_as = Requeue::kInterruption;
       return verdict;
     }

@@ -49,5 +49,7 @@ struct Verdict {
 Verdict judge_attempt(const ChildReport& report, const std::optional<api::Problem>& told, bool has_result,
                       StopReason reason, const JobRecord& job, const std::string& stage,
                       const ServiceLimits& limits);
+/// The same for a disk that refuses what the job or its result needs: it may start again, but not for ever.
+Verdict judge_disk(const JobRecord& job, const ServiceLimits& limits);
 
 }  // namespace sheetform::server

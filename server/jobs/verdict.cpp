@@ -85,10 +85,7 @@ Verdict after_exit(int status, const std::optional<api::Problem>& told, bool has
                    make_problem(api::ProblemType::kMemoryLimit,
                                 "the job needs more than " + std::to_string(limits.job_memory >> 20) + " MiB",
                                 "simplify the mesh"));
-  if (status == kExitIo)
-    return again(
-        "io", Requeue::kError, job.errors, limits.errors,
-        make_problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
+  if (status == kExitIo) return judge_disk(job, limits);
   if (told) return failure("failed", Requeue::kError, *told);
   const std::string what =
       status == kExitOk ? "ended without a result" : "ended with status " + std::to_string(status);
@@ -139,6 +136,12 @@ Verdict judge_attempt(const ChildReport& report, const std::optional<api::Proble
                                 "try again later"));
   }
   return {};
+}
+
+Verdict judge_disk(const JobRecord& job, const ServiceLimits& limits) {
+  return again(
+      "io", Requeue::kError, job.errors, limits.errors,
+      make_problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
 }
 
 }  // namespace sheetform::server

@@ -117,20 +117,25 @@ def session(server, count):
     return acknowledged
 
 
-def with_failing_sync(server):
-    """A session over which a sync fails: what was acknowledged, and the exit status (None: the server lives on)."""
+def with_a_fault(server, uploads=4):
+    """A session over which the disk fails: what was acknowledged, and the exit status (None: the server lives on)."""
     acknowledged = {}
     try:
         server.find_port()
-        acknowledged = session(server, 4)
+        acknowledged = session(server, uploads)
         if not server.fired():
             until_idle(server, 60)
     except (AssertionError, OSError, ValueError, http.client.HTTPException):
         pass  # it died while it was being asked
-    deadline = time.monotonic() + 5
+    return acknowledged, end_of(server, 5)
+
+
+def end_of(server, seconds):
+    """The exit status of a server that a fault has struck; None when it does not end within so long."""
+    deadline = time.monotonic() + seconds
     while server.fired() and server.process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
-    return acknowledged, server.process.poll()
+    return server.process.poll()
 
 
 @trial("T4", "the N-th sync fails: the process ends with status 74, nothing acknowledged is lost")
@@ -138,7 +143,7 @@ def failing_syncs(figures, long, rng):
     ended, lived_on, total, number = {}, [], 0, 0
     for number in range(1, 1000) if long else sorted(rng.sample(range(1, 40), 6)):
         with FaultyServer("--slots", "1", "--quiet", sync=number, wait=False) as server:
-            acknowledged, status = with_failing_sync(server)
+            acknowledged, status = with_a_fault(server)
             fired = server.fired()
             if status is not None:
                 expect(fired and status == 74, f"the status is {status}, and sync {number} failed: {fired}")
