@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 
 #include <mutex>
 #include <system_error>
@@ -206,7 +207,7 @@ Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, in
     int refused = 0;
     while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result)) {
       if (why == StoreFailure::kDisk && ++refused == kPublishTries)
-        return judge_disk(claimed.job, parts.limits);
+        return judge_disk(claimed.job, parts.limits, free_bytes(parts));
       pollfd stopped{stop.descriptor(), POLLIN, 0};
       if (::poll(&stopped, 1, kPublishAgain) == 0) continue;
       verdict.action = Verdict::Action::kRequeue;
@@ -250,6 +251,12 @@ void log_end(const ClaimedJob& claimed, const Verdict& verdict, const ChildRepor
 
 }  // namespace
 
+std::uint64_t free_bytes(const RunnerParts& parts) {
+  struct statvfs space {};
+  if (::statvfs(parts.work.c_str(), &space) != 0) return 0;
+  return static_cast<std::uint64_t>(space.f_bavail) * space.f_frsize;
+}
+
 void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes) {
   const Descriptor input = parts.inputs.open(claimed.job.input);
   if (!input.valid()) return fail_without_input(parts, claimed);
@@ -259,7 +266,7 @@ void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const Atte
   task.on_message = [&listener](const WorkerMessage& m) { listener(m); };
   const ChildReport report = run_child(task);
   Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), wishes.reason,
-                                  claimed.job, listener.stage, parts.limits);
+                                  claimed.job, listener.stage, parts.limits, free_bytes(parts));
   if (verdict.action == Verdict::Action::kPublish)
     verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, wishes.stop, verdict);
   parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,

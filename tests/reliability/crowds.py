@@ -14,10 +14,11 @@ import tempfile
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, latencies, percentile, trial,
+from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, integrity, latencies, percentile, trial,
                     unique_mesh, until_idle)
 
 
+STORE_LOAD = os.environ.get("STORE_LOAD", "")
 DRAIN_ALL = False  # reliability.py --drain
 
 
@@ -108,6 +109,30 @@ def long_queue(figures, long, rng):
         # Those of one millisecond have no order here.
         expect(done and (not others or max(done) <= min(others)), "jobs overtake each other")
         figures.put(worked_off_per_second=len(done) / seconds)
+
+
+@trial("T10r", "a store of many jobs: a page of the list, and the next job for a slot, come as quickly as from a small one")
+def large_store(figures, long, rng):
+    if not STORE_LOAD:
+        raise Skip("STORE_LOAD does not name the program that fills a store")
+    rows, waiting, claims = (100_000, 10_000, 2000) if long else (2000, 500, 50)
+    with Server("--slots", "1", "--quiet") as server:
+        server.stop()
+        subprocess.run([STORE_LOAD, server.data, str(rows), "0", "0"], check=True)
+        server.start()
+        first = server.request("GET", "/api/v1/jobs?limit=100", check=False).json()
+        expect(len(first["jobs"]) == 100, "a page is not full")
+        after = next(link["href"] for link in first["links"] if link["rel"] == "next")
+        for name, path, most in (("page", "?limit=100", 0.02), ("next_page", after[after.index("?"):], 0.02),
+                                 ("one_state", "?limit=100&status=dismissed", 0.02),
+                                 ("none_found", "?limit=100&status=running", 0.1)):  # looks at every row
+            put_latencies(figures, name, latencies(server.port, "/api/v1/jobs" + path, 300 if long else 30), most=most)
+        figures.bar("memory_mib", server.memory() / 2**20, most=200)
+        server.stop()
+        told = subprocess.run([STORE_LOAD, server.data, "0", str(waiting), str(claims)], check=True, stdout=subprocess.PIPE)
+        put_latencies(figures, "claim", [float(line) for line in told.stdout.split()], most=0.005)
+        figures.put(rows=rows, waiting=waiting, claims=claims)
+        integrity(server.data)
 
 
 @trial("T10s", "uploads of many at a disk whose syncs take 10 ms: they share them")

@@ -163,39 +163,6 @@ def failing_syncs(figures, long, rng):
     figures.put(syncs_tried=number, ended=str(ended), lived_on=str(lived_on), acknowledged=total)
 
 
-@trial("T5", "a full disk: uploads are refused, reading goes on, jobs wait for room and then end well")
-def full_disk(figures, long, rng):
-    with FaultyServer("--slots", "2", "--quiet") as server:
-        old = server.wait(server.submit()["jobID"])["jobID"]
-        running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
-        waiting = [server.submit()["jobID"] for _ in range(3)]
-        for job_id in running:
-            server.wait(job_id, until=("running",))
-        server.full(True)
-        begun, refused = time.monotonic(), 0
-        while time.monotonic() - begun < (20 if long else 4):
-            answer = server.request("POST", EXECUTION, unique_mesh(), check=False)
-            expect((answer.status, answer.slug()) == (507, "disk-full"), f"an upload got {answer.status} {answer.body[:200]}")
-            refused += 1
-            expect(verify_results(server, old) == 3, "the old result cannot be read")
-            expect(server.request("GET", "/api/v1/jobs", check=False).status == 200, "the list cannot be read")
-            time.sleep(0.05)
-        expect(server.request("GET", "/healthz", check=False).status == 200, "a full disk is no bad health")
-        expect(not os.listdir(server.data + "/spool"), "unfinished uploads are left")
-        states = {server.job(i)["status"] for i in running + waiting}
-        expect(states <= {"accepted", "running"}, f"jobs ended on a full disk: {states}")
-        server.full(False)
-        begun = time.monotonic()
-        for job_id in running + waiting:
-            job = server.wait(job_id, timeout=120)
-            expect(job["status"] == "successful", f"after the disk had room again: {job}")
-        figures.put(uploads_refused=refused, seconds_until_all_had_ended=time.monotonic() - begun,
-                    computed_twice=sum(server.job(i)["attempt"] - 1 for i in running + waiting))
-        server.wait(server.submit()["jobID"])
-        server.stop()
-        integrity(server.data)
-
-
 @trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or is removed")
 def clock_jumps(figures, long, rng):
     with FaultyServer("--slots", "1", "--quiet") as server:
