@@ -121,7 +121,7 @@ void SlotPool::put_back(const ClaimedJob& claimed) {
     const bool full = free_bytes(parts_) < parts_.limits.result_bytes;
     try {
       parts_.jobs.requeue(
-          claimed, full ? Requeue::kNoRoom : Requeue::kError, now_us() + (full ? 3 : 10) * kSecond,
+          claimed, full ? Requeue::kNoRoom : Requeue::kError, now_us() + (full ? 2 : 10) * kSecond,
           full ? "waiting again: the server's disk is full" : "waiting again: the server had a problem");
       return;
     } catch (const StoreError& e) {

@@ -12,7 +12,7 @@ namespace {
 
 using Action = Verdict::Action;
 
-constexpr Microseconds kUntilRoom = 3 * kSecond;
+constexpr Microseconds kUntilRoom = 2 * kSecond;
 constexpr const char* kLess = "simplify the mesh, allow a larger tolerance (e_max), or choose less effort";
 
 api::Problem too_long(const ServiceLimits& limits) {

@@ -212,6 +212,49 @@ def large_uploads(figures, long, rng):
         expect(len(set(jobs)) == count, "two uploads became one job")
 
 
+def upload_alone(server, block, blocks):
+    """Sends so many blocks as one mesh by a single connection; (seconds until the 201, those of a processor that the server
+    used for it)."""
+    digest = hashlib.sha256()
+    for _ in range(blocks):
+        digest.update(block)
+    used, begun = server.processor_seconds(), time.monotonic()
+    head = f"POST {EXECUTION}?filename=work-0.obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: {blocks * len(block)}\r\n\r\n"
+    with connect(server, head.encode()) as s:
+        s.settimeout(600)
+        for _ in range(blocks):
+            s.sendall(block)
+        answer = b""
+        while piece := s.recv(65536):
+            answer += piece
+    seconds = time.monotonic() - begun
+    status, _, body = answer.partition(b"\r\n\r\n")
+    expect(b" 201 " in status[:20], f"an upload got {answer[:200]}")
+    expect(json.loads(body)["inputs"]["mesh"]["sha256"] == digest.hexdigest(), "a digest is wrong")
+    return seconds, server.processor_seconds() - used
+
+
+@trial("T11s", "one client with a large mesh: 500 MB a second into memory, and on the disk as fast as the disk")
+def single_upload(figures, long, rng):
+    blocks, block, memory = (240 if long else 16), random.Random(11).randbytes(1 << 20), "/dev/shm"
+    if not os.access(memory, os.W_OK) or os.statvfs(memory).f_bavail * os.statvfs(memory).f_frsize < 4 * blocks << 20:
+        memory = None
+    for place, folder in (("memory", memory), ("disk", None)):
+        if place == "memory" and memory is None:
+            continue
+        with Server("--slots", "1", "--quiet", data=tempfile.mkdtemp(prefix="sheetform-alone-", dir=folder)) as server:
+            server.own_data = True
+            plain = disk_rate(server.data, block, 1, blocks) * 2**20 / 1e6
+            tries = [upload_alone(server, block[i:] + block[:i], blocks) for i in range(3 if long else 1)]
+            rates = sorted(blocks * len(block) / 1e6 / seconds for seconds, _ in tries)
+            figures.put(**{f"{place}_plain_mb_per_second": plain, f"{place}_processor_seconds": min(used for _, used in tries)})
+            if place == "memory":
+                figures.bar("memory_mb_per_second", rates[-1], least=500)
+            else:
+                figures.put(disk_mb_per_second=rates[-1])
+                figures.bar("share_of_disk", rates[-1] / min(plain, 500), least=0.6)
+
+
 WAYS = {"memory": "memory-limit", "abort": "worker-crashed", "refuse": "unsupported-mesh", "nothing": "algorithm-failed",
         "exit": "algorithm-failed", "fork": "algorithm-failed", "huge": "limit-exceeded", "missing": "algorithm-failed", "link": "algorithm-failed", "none": "algorithm-failed",
         "flood": "algorithm-failed", "segv": "worker-crashed", "kill": "memory-limit", "spin": "time-limit", "deaf": "time-limit"}
