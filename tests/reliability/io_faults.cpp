@@ -4,7 +4,8 @@
 //   FAULT_SYNC=N       the N-th fsync or fdatasync of the process fails with EIO,
 //   FAULT_WRITE=N      or its N-th write to a file of that disk,
 //   FAULT_ERROR=E      with this error instead,
-//   FAULT_FORM=FORM    "once", "torn" (half of it is written before) or "on" (and all writes after it),
+//   FAULT_FORM=FORM    "once", "torn" (half of it is written before), "on" (and all writes after it)
+//                      or "kill" (SIGKILL after half of it),
 //   FAULT_FIRED=FILE   and the path of the file is added to this one
 //   FAULT_WRITES=FILE  the path of every file that is written is added to this one
 //   FAULT_SLOW=N       every sync takes N milliseconds more
@@ -22,6 +23,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -76,7 +78,7 @@ bool on_that_disk(int fd) {
   return fd > 2 && ::fstat(fd, &s) == 0 && S_ISREG(s.st_mode) && s.st_dev == device;
 }
 
-enum class Fate { kGood, kFails, kTorn };
+enum class Fate { kGood, kFails, kTorn, kKilled };
 
 /// What becomes of this write by its number.
 Fate fate_by_number(int fd) {
@@ -89,6 +91,7 @@ Fate fate_by_number(int fd) {
   const long after = ++writes - std::atol(wanted);
   const std::string_view how = form == nullptr ? "once" : form;
   if (after == 0) note("FAULT_FIRED", fd);
+  if (how == "kill") return after == 0 ? Fate::kKilled : Fate::kGood;
   if (how == "torn") return after == 0 ? Fate::kTorn : after == 1 ? Fate::kFails : Fate::kGood;
   return after == 0 || (how == "on" && after > 0) ? Fate::kFails : Fate::kGood;
 }
@@ -106,6 +109,10 @@ ssize_t written(int fd, size_t size, Call&& real) {
   const Fate fate = full ? Fate::kFails : fate_by_number(fd);
   errno = before;
   if (fate == Fate::kGood) return real(size);
+  if (fate == Fate::kKilled) {
+    if (size > 1 && real(size / 2) < 0) std::abort();
+    ::raise(SIGKILL);
+  }
   if (fate == Fate::kTorn && size > 1) return real(size / 2);
   errno = full ? ENOSPC : error_told();
   return -1;

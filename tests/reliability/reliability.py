@@ -21,6 +21,7 @@ import crowds
 import kills
 import power  # noqa: F401
 import streams  # noqa: F401
+import upgrades  # noqa: F401
 import writes  # noqa: F401
 from trials import TRIALS, Figures, Skip, seeded
 
