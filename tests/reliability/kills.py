@@ -163,11 +163,16 @@ def failing_syncs(figures, long, rng):
     figures.put(syncs_tried=number, ended=str(ended), lived_on=str(lived_on), acknowledged=total)
 
 
-@trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or is removed")
+HOUR = 3600
+
+
+@trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or runs out of time")
 def clock_jumps(figures, long, rng):
-    with FaultyServer("--slots", "1", "--quiet") as server:
+    with FaultyServer("--slots", "2", "--job-seconds", "1000", "--quiet") as server:
+        silent = server.submit(name="deaf.obj")["jobID"]  # by the clock its time would be up, and it says nothing
+        server.wait(silent, until=("running",))
         jobs = []
-        for step in ([3600, -3600, 0, 7200, -86400] if long else [-3600, 3600]):
+        for step in ([HOUR, -HOUR, 0, 2 * HOUR, -24 * HOUR] if long else [-HOUR, HOUR]):
             running = server.submit(name="work-2000.obj")["jobID"]
             jobs += [running, server.submit()["jobID"]]
             server.wait(running, until=("running",))
@@ -177,4 +182,37 @@ def clock_jumps(figures, long, rng):
                 expect(server.wait(job_id)["status"] == "successful", "a job did not end")
         attempts = [server.job(i)["attempt"] for i in jobs]
         expect(set(attempts) == {1}, f"jobs ran again: {attempts}")
+        job = server.job(silent)
+        expect((job["status"], job["attempt"]) == ("running", 1), f"the clock ended a job: {job}")
         figures.put(jobs=len(jobs))
+
+
+def after_housekeeping(server, step):
+    """Sets the clock, starts the server anew and waits until its housekeeping has been: until a job of two days ago is gone."""
+    server.clock(step - 48 * HOUR)
+    old = server.wait(server.submit()["jobID"])["jobID"]
+    server.clock(step)
+    server.restart()
+    server.until("the housekeeping", lambda: server.request("GET", f"/api/v1/jobs/{old}", check=False).status == 404)
+
+
+@trial("T19r", "the clock jumps: nothing expires before its day is over, and then it does")
+def clock_and_retention(figures, long, rng):
+    with FaultyServer("--slots", "1", "--keep-days", "1", "--quiet") as server:
+        mesh, key = unique_mesh(), {"Idempotency-Key": "of-the-day"}
+        send = lambda: server.submit(mesh, headers=key)["jobID"]
+        kept = [server.wait(send())["jobID"], server.submit()["jobID"]]
+        server.wait(kept[1])
+        kept.append(server.submit(name="deaf.obj")["jobID"])
+        server.request("DELETE", f"/api/v1/jobs/{kept[2]}", check=False)
+        status = lambda: [server.request("GET", f"/api/v1/jobs/{i}", check=False).status for i in kept]
+        steps = [HOUR, -HOUR, 0, HOUR, 23.9 * HOUR] if long else [HOUR, -HOUR]
+        for step in steps:
+            after_housekeeping(server, step)
+            expect(status() == [200] * 3, f"by a step to {step / HOUR} h jobs are gone: {status()}")
+            expect(verify_results(server, kept[0]) == 3, "a result is gone")
+            expect(send() == kept[0], "the key of a request is forgotten")
+        after_housekeeping(server, 24.1 * HOUR)
+        expect(status() == [404] * 3, f"jobs outlive their day: {status()}")
+        expect(send() != kept[0], "the key of a request outlives its day")
+        figures.put(steps_hours=str([step / HOUR for step in steps]), expired_early=0)

@@ -3,10 +3,17 @@
 
     reliability.py [--short] [--only T1 T7 ...] [--seed N] [--kills N] [--drain] [--soak MINUTES] [--report FILE]
 
-The long form takes about an hour and a half on two cores; --short is the part of it that the default tests run. In the long form a
-missed bar (a promise about time or memory) is a failure too. Needs SHEETFORM, FAKE_WORKER, IO_FAULTS,
+The long form takes about an hour and a half on two cores; --short is the part of it that the default tests run. In the
+long form a missed bar (a promise about time or memory) is a failure too. Needs SHEETFORM, FAKE_WORKER, IO_FAULTS,
 DISK_TRACE and STORE_LOAD in the environment (the programs and libraries that the build makes); the last three may be
 empty, their trials are skipped then.
+
+The server has no hooks for faults. The points between which it can fail (an upload is written, synced, named, its folder
+synced, its row committed, the 201 sent; a job is claimed or put back; a result is read, stored in chunks, its row committed,
+the folder of the attempt removed) are calls that reach the disk or a client, and the trials fail at those from outside: T4
+at every sync, T4w at writes of every file by an error, for lack of room, half done or by SIGKILL; T6 starts on what is left
+of every prefix of them, the sending of the 201 included; T12 has the ways in which a job's process ends or lies. So no
+point is forgotten when their order changes, as one with a hook and a name of its own could be.
 """
 import argparse
 import json

@@ -17,7 +17,7 @@ UPLOADS = 7  # their results are more than SQLite keeps in its log: the database
 AT_ONCE = 4   # servers, which mostly wait
 REFUSED_AT_START = 70
 ENDED_BY_STORAGE = 74
-FORMS = [(error, form) for error in (errno.EIO, errno.ENOSPC) for form in ("once", "torn", "on")]
+FORMS = [(error, form) for error in (errno.EIO, errno.ENOSPC) for form in ("once", "torn", "on")] + [(errno.EIO, "kill")]
 
 
 def writes_of_a_session():
@@ -51,7 +51,7 @@ def strike(number, error, form):
             expect(not server.port and not acknowledged, "a server that had served ended as if it could not start")
             expect(b"sheetform: " in server.log_bytes().splitlines()[-1], "it was not told why the server does not start")
         else:
-            expect(status in (None, ENDED_BY_STORAGE), f"the status is {status}")
+            expect(status in ((-signal.SIGKILL,) if form == "kill" else (None, ENDED_BY_STORAGE)), f"the status is {status}")
         if status is None and form != "on":  # the disk is well again, and so is the server, with nobody's help
             until_idle(server, 60)
             jobs = all_jobs(server)
@@ -75,7 +75,7 @@ def told_strike(kinds, number, error, form):
         raise AssertionError(f"write {number} ({kinds[number - 1]}), {errno.errorcode[error]} {form}: {e}")
 
 
-@trial("T4w", "a write fails, half of it or all that follow: nothing acknowledged is lost, the server goes on or ends with 74")
+@trial("T4w", "a write fails, half of it, all that follow, or kills: nothing acknowledged is lost, the server goes on or ends with 74")
 def failing_writes(figures, long, rng):
     kinds, started = writes_of_a_session()
     numbers = chosen(kinds, started, rng, long)
