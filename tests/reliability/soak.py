@@ -2,9 +2,11 @@
 import os
 import random
 import re
+import subprocess
 import threading
 import time
 
+from crowds import STORE_LOAD
 from trials import EXECUTION, Server, Skip, expect, in_threads, integrity, percentile, trial, unique_mesh, until_idle, verify_results
 
 MINUTES = 15  # reliability.py --soak; its housekeeping comes every ten
@@ -120,6 +122,21 @@ def visit(server, watch, seconds, rng):
     return sum(counts)
 
 
+def fill_caches(server):
+    """Gives the server a history, and has it read by many at once: SQLite keeps 2 MiB of it for each of its connections, which
+    would look like a leak until it is there."""
+    server.stop()
+    subprocess.run([STORE_LOAD, server.data, "5000", "0", "0"], check=True)
+    server.start()
+
+    def leaf_through(i):
+        path = "/api/v1/jobs?limit=500"
+        while path:
+            links = server.request("GET", path, check=False).json()["links"]
+            path = next((link["href"] for link in links if link["rel"] == "next"), None)
+    in_threads(12, leaf_through)
+
+
 def stored(server):
     return int(re.search(rb"\nsheetform_stored_bytes (\d+)", server.request("GET", "/metrics", check=False).body).group(1))
 
@@ -128,7 +145,10 @@ def stored(server):
 def soak(figures, long, rng):
     if not long:
         raise Skip("the long form alone has the time")
+    if not STORE_LOAD:
+        raise Skip("STORE_LOAD does not name the program that fills a store")
     with Server("--slots", "2", "--job-memory", "128", "--quota", str(QUOTA_MIB), "--quiet") as server:
+        fill_caches(server)
         watch, requests = Watch(server), 0
         for _ in range(3):
             requests += visit(server, watch, MINUTES * 20, rng)
@@ -137,6 +157,9 @@ def soak(figures, long, rng):
         hours = watch.samples[-1][0] / 3600
         figures.put(minutes=hours * 60, requests=requests, jobs_left=len(server.request("GET", "/api/v1/jobs?limit=10000", check=False).json()["jobs"]))
         figures.put(memory_mib=watch.samples[-1][1] / 2**20, memory_median_mib=percentile([s[1] for s in watch.samples], 0.5) / 2**20)
+        sixth = max(1, len(watch.samples) // 6)
+        medians = [percentile([s[1] for s in watch.samples[k:k + sixth]], 0.5) / 2**20 for k in range(0, len(watch.samples), sixth)]
+        figures.put(memory_of_each_sixth_mib=str([round(m, 1) for m in medians]))
         slope = watch.slope(1) / 2**20
         figures.put(memory_mib_per_hour=slope)
         # One MiB an hour; a short time tells less, for what the allocator keeps comes and goes.
