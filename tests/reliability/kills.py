@@ -123,8 +123,8 @@ def with_a_fault(server, uploads=4):
     try:
         server.find_port()
         acknowledged = session(server, uploads)
-        if not server.fired():
-            until_idle(server, 60)
+        active = lambda: server.request("GET", "/api/v1/jobs?status=accepted,running&limit=1", check=False).json()["jobs"]
+        server.until("the jobs end, or the fault comes", lambda: server.fired() or not active(), 60)
     except (AssertionError, OSError, ValueError, http.client.HTTPException):
         pass  # it died while it was being asked
     return acknowledged, end_of(server, 5)

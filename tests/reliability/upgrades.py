@@ -5,6 +5,7 @@ A new step of server/store/migrations.cpp needs a store of the schema before it:
 has it (SHEETFORM and FAKE_WORKER as for reliability.py), it writes schemas/N.
 """
 import hashlib
+import http.client
 import json
 import os
 import signal
@@ -112,7 +113,7 @@ def kill_at(schema, number):
         try:
             server.find_port()
             until_idle(server, 30)
-        except (AssertionError, OSError, ValueError):
+        except (AssertionError, OSError, ValueError, http.client.HTTPException):
             pass  # killed
         status = end_of(server, 5)
         expect(status == (-signal.SIGKILL if server.fired() else None), f"the status is {status}")

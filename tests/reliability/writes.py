@@ -13,38 +13,39 @@ from kills import session, verify_acknowledged, with_a_fault
 from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, expect, in_threads, integrity, latencies, percentile, trial,
                     unique_mesh, until_idle, verify_results)
 
-UPLOADS = 7  # their results are more than SQLite keeps in its log: the databases themselves are written too
+FEW, MANY = 5, 20  # uploads; many make more changes than SQLite keeps in its log: the database itself is written, too
 AT_ONCE = 4   # servers, which mostly wait
 REFUSED_AT_START = 70
 ENDED_BY_STORAGE = 74
 FORMS = [(error, form) for error in (errno.EIO, errno.ENOSPC) for form in ("once", "torn", "on")] + [(errno.EIO, "kill")]
 
 
-def writes_of_a_session():
+def writes_of_a_session(uploads):
     """What a server writes from its start until the results of a session are stored, in order."""
     with FaultyServer("--slots", "1", "--quiet", count_writes=True) as server:
         before = len(server.every_write())
-        expect(len(session(server, UPLOADS)) == UPLOADS, "an upload was not accepted")
+        expect(len(session(server, uploads)) == uploads, "an upload was not accepted")
         until_idle(server, 60)
         return server.every_write(), before
 
 
 def chosen(kinds, started, rng, long):
-    """Numbers of writes. Long: of each kind of file, before and after the server was ready, the first two, the last and five
-    more; short: two from its start, and two of each kind after it."""
+    """Numbers of writes. Long: of each kind of file the first, the last and one more of the start, and after it the first two,
+    the last and ten more; short: two of the start, and two of each kind after it."""
     places = collections.defaultdict(list)
     for i, kind in enumerate(kinds):
         places[kind, i >= started].append(i + 1)
-    if long:
-        return sorted({n for numbers in places.values() for n in numbers[:2] + numbers[-1:] + rng.sample(numbers, min(5, len(numbers)))})
-    after = [n for (_, ready), numbers in sorted(places.items()) if ready for n in rng.sample(numbers, min(2, len(numbers)))]
-    return sorted(rng.sample(range(1, started + 1), 2) + after)
+    some = lambda numbers, count: rng.sample(numbers, min(count, len(numbers)))
+    if not long:
+        return sorted(some(range(1, started + 1), 2) + [n for (_, ready), all_of_it in sorted(places.items()) if ready for n in some(all_of_it, 2)])
+    return sorted({n for (_, ready), all_of_it in sorted(places.items())
+                   for n in all_of_it[:2 if ready else 1] + all_of_it[-1:] + some(all_of_it, 10 if ready else 1)})
 
 
-def strike(number, error, form):
+def strike(number, error, form, uploads):
     """A server whose write fails, and its next start; (kind of the file, exit status or None, how many were acknowledged)."""
     with FaultyServer("--slots", "1", "--quiet", write=number, error=error, form=form, wait=False) as server:
-        acknowledged, status = with_a_fault(server, UPLOADS)
+        acknowledged, status = with_a_fault(server, uploads)
         if not server.fired():
             return None, status, len(acknowledged)
         if status == REFUSED_AT_START:
@@ -68,22 +69,23 @@ def strike(number, error, form):
         return struck, status, len(acknowledged)
 
 
-def told_strike(kinds, number, error, form):
+def told_strike(kinds, uploads, number, error, form):
     try:
-        return strike(number, error, form)
+        return strike(number, error, form, uploads)
     except AssertionError as e:
         raise AssertionError(f"write {number} ({kinds[number - 1]}), {errno.errorcode[error]} {form}: {e}")
 
 
 @trial("T4w", "a write fails, half of it, all that follow, or kills: nothing acknowledged is lost, the server goes on or ends with 74")
 def failing_writes(figures, long, rng):
-    kinds, started = writes_of_a_session()
+    uploads = MANY if long else FEW
+    kinds, started = writes_of_a_session(uploads)
     numbers = chosen(kinds, started, rng, long)
     tries = [(n, *fault) for n in numbers for fault in (FORMS if long else [rng.choice(FORMS)])]
     struck, ends, total = collections.Counter(), collections.Counter(), 0
 
     def several(first):
-        return [told_strike(kinds, *fault) for fault in tries[first::AT_ONCE]]
+        return [told_strike(kinds, uploads, *fault) for fault in tries[first::AT_ONCE]]
     for kind, status, acknowledged in itertools.chain(*in_threads(AT_ONCE, several)):
         struck[kind] += 1
         ends["went on" if status is None else status] += 1
