@@ -135,12 +135,12 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     for _ in range(40):  # SQLite has then written room for more than it needs just now
         server.submit(name="work-0.obj")
     until_idle(server, 60)
+    count, path = 300 if long else 60, f"/api/v1/jobs/{old}"
+    before = latencies(server.port, path, count)
     running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
     waiting = [server.submit()["jobID"] for _ in range(3)]
     for job_id in running:
         server.wait(job_id, until=("running",))
-    count, path = 300 if long else 60, f"/api/v1/jobs/{old}"
-    before = latencies(server.port, path, count)
     upload = HalfAnUpload(server)
     server.until("the upload has begun", lambda: os.listdir(data + "/spool"))
     fill()
