@@ -184,7 +184,7 @@ class Caretaker {
 
  private:
   void run() {
-    auto cleaned = SteadyClock::time_point{}, well = SteadyClock::now();
+    auto well = SteadyClock::now(), cleaned = well - 2 * kHousekeeping;  // at once, also just after a boot
     std::unique_lock lock(mutex_);
     while (!ending_) {
       lock.unlock();

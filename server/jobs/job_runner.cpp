@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 
 #include <mutex>
 #include <system_error>
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 constexpr int kPersistEvery = 5;     // percent; finer progress is live only
 constexpr int kHandOver = 10;        // seconds for a sweep whose time is up to hand over what it has
 constexpr int kPublishAgain = 2000;  // milliseconds until a result that the store refused is tried again
+constexpr int kPublishTries = 5;     // of a result that the disk refuses for another reason than lack of room
 
 /// A folder that is gone when its owner is.
 class AttemptFolder {
@@ -183,32 +185,35 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
   }
 }
 
-/// Whether the result is published; false when the store cannot take it now, and the reason in `why`.
-bool try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                 const WorkerMessage::Result& result, std::string& why) {
+/// Why the store does not take the result now; nothing when it is published.
+std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
+                                        const WorkerMessage::Result& result) {
   try {
     publish(parts, claimed, folder, result);
-    return true;
+    return std::nullopt;
   } catch (const StoreError& e) {
     if (e.kind() == StoreFailure::kRefused) throw;
-    why = e.kind() == StoreFailure::kFull ? "the server's disk is full" : "the store is busy";
-    return false;
+    log_warning("a result waits for the store", {{"job", claimed.job.id}, {"reason", e.what()}});
+    return e.kind();
   }
 }
 
 /// Publishes, or turns a failure to do so into another verdict. A result that has been computed is not thrown
-/// away because the disk is full: it waits until there is room, or until the attempt is stopped.
+/// away because the disk is full: it waits until there is room, or until the attempt is stopped. A disk that
+/// refuses it again and again is another matter.
 Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
                          const WorkerMessage::Result& result, const StopSignal& stop, Verdict verdict) {
-  std::string why;
   try {
-    while (!try_publish(parts, claimed, folder, result, why)) {
-      log_warning("a result waits for the store", {{"job", claimed.job.id}, {"reason", why}});
+    int refused = 0;
+    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result)) {
+      if (why == StoreFailure::kDisk && ++refused == kPublishTries)
+        return judge_disk(claimed.job, parts.limits, free_bytes(parts));
       pollfd stopped{stop.descriptor(), POLLIN, 0};
       if (::poll(&stopped, 1, kPublishAgain) == 0) continue;
       verdict.action = Verdict::Action::kRequeue;
       verdict.outcome = "io";
-      verdict.problem.detail = why;
+      verdict.problem.detail =
+          why == StoreFailure::kFull ? "the server's disk is full" : "the store could not take the result";
       verdict.counted_as = Requeue::kInterruption;
       return verdict;
     }
@@ -246,6 +251,12 @@ void log_end(const ClaimedJob& claimed, const Verdict& verdict, const ChildRepor
 
 }  // namespace
 
+std::uint64_t free_bytes(const RunnerParts& parts) {
+  struct statvfs space {};
+  if (::statvfs(parts.work.c_str(), &space) != 0) return 0;
+  return static_cast<std::uint64_t>(space.f_bavail) * space.f_frsize;
+}
+
 void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes) {
   const Descriptor input = parts.inputs.open(claimed.job.input);
   if (!input.valid()) return fail_without_input(parts, claimed);
@@ -255,7 +266,7 @@ void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const Atte
   task.on_message = [&listener](const WorkerMessage& m) { listener(m); };
   const ChildReport report = run_child(task);
   Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), wishes.reason,
-                                  claimed.job, listener.stage, parts.limits);
+                                  claimed.job, listener.stage, parts.limits, free_bytes(parts));
   if (verdict.action == Verdict::Action::kPublish)
     verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, wishes.stop, verdict);
   parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,

@@ -37,7 +37,8 @@ struct AttemptWishes {
 /// Runs the attempt to its end and writes what came of it.
 void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes);
 
-/// What an attempt's end means for the job. A pure function, so that the table can be tested.
+/// What an attempt's end means for the job. A pure function, so that the table can be tested. free_bytes: of
+/// the disk at that time.
 struct Verdict {
   enum class Action { kPublish, kFail, kRequeue, kDrop };
   Action action = Action::kFail;
@@ -48,6 +49,11 @@ struct Verdict {
 };
 Verdict judge_attempt(const ChildReport& report, const std::optional<api::Problem>& told, bool has_result,
                       StopReason reason, const JobRecord& job, const std::string& stage,
-                      const ServiceLimits& limits);
+                      const ServiceLimits& limits, std::uint64_t free_bytes);
+/// The same for a disk that refuses what the job or its result needs: it may start again, but not for ever.
+/// While the disk has less room than a result may take, that is no fault of the job, and it waits.
+Verdict judge_disk(const JobRecord& job, const ServiceLimits& limits, std::uint64_t free_bytes);
+/// Free space where the attempts work; 0 when that cannot be told.
+std::uint64_t free_bytes(const RunnerParts& parts);
 
 }  // namespace sheetform::server

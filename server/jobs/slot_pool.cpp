@@ -118,9 +118,11 @@ void SlotPool::run_slot() {
 /// While the disk is full not even that can be written: tried again until it can, or the next start does it.
 void SlotPool::put_back(const ClaimedJob& claimed) {
   for (;;) {
+    const bool full = free_bytes(parts_) < parts_.limits.result_bytes;
     try {
-      parts_.jobs.requeue(claimed, Requeue::kError, now_us() + 10 * kSecond,
-                          "waiting again: the server had a problem");
+      parts_.jobs.requeue(
+          claimed, full ? Requeue::kNoRoom : Requeue::kError, now_us() + (full ? 2 : 10) * kSecond,
+          full ? "waiting again: the server's disk is full" : "waiting again: the server had a problem");
       return;
     } catch (const StoreError& e) {
       log_error("a job could not be put back", {{"job", claimed.job.id}, {"reason", e.what()}});

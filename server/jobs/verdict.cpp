@@ -12,6 +12,7 @@ namespace {
 
 using Action = Verdict::Action;
 
+constexpr Microseconds kUntilRoom = 2 * kSecond;
 constexpr const char* kLess = "simplify the mesh, allow a larger tolerance (e_max), or choose less effort";
 
 api::Problem too_long(const ServiceLimits& limits) {
@@ -70,7 +71,7 @@ Verdict after_signal(int signal, const JobRecord& job, const std::string& stage,
 }
 
 Verdict after_exit(int status, const std::optional<api::Problem>& told, bool has_result, const JobRecord& job,
-                   const ServiceLimits& limits) {
+                   const ServiceLimits& limits, std::uint64_t free_bytes) {
   if (status == kExitOk && has_result) {
     Verdict v;
     v.action = Action::kPublish;
@@ -85,10 +86,7 @@ Verdict after_exit(int status, const std::optional<api::Problem>& told, bool has
                    make_problem(api::ProblemType::kMemoryLimit,
                                 "the job needs more than " + std::to_string(limits.job_memory >> 20) + " MiB",
                                 "simplify the mesh"));
-  if (status == kExitIo)
-    return again(
-        "io", Requeue::kError, job.errors, limits.errors,
-        make_problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
+  if (status == kExitIo) return judge_disk(job, limits, free_bytes);
   if (told) return failure("failed", Requeue::kError, *told);
   const std::string what =
       status == kExitOk ? "ended without a result" : "ended with status " + std::to_string(status);
@@ -113,10 +111,10 @@ Verdict after_stop(StopReason reason, const JobRecord& job, const ServiceLimits&
 
 Verdict judge_attempt(const ChildReport& report, const std::optional<api::Problem>& told, bool has_result,
                       StopReason reason, const JobRecord& job, const std::string& stage,
-                      const ServiceLimits& limits) {
+                      const ServiceLimits& limits, std::uint64_t free_bytes) {
   switch (report.ending) {
     case ChildEnding::kExited:
-      return after_exit(report.exit_status, told, has_result, job, limits);
+      return after_exit(report.exit_status, told, has_result, job, limits, free_bytes);
     case ChildEnding::kSignalled:
       return after_signal(report.signal, job, stage, limits);
     case ChildEnding::kStopped:
@@ -139,6 +137,18 @@ Verdict judge_attempt(const ChildReport& report, const std::optional<api::Proble
                                 "try again later"));
   }
   return {};
+}
+
+Verdict judge_disk(const JobRecord& job, const ServiceLimits& limits, std::uint64_t free_bytes) {
+  Verdict v = again(
+      "io", Requeue::kError, job.errors, limits.errors,
+      make_problem(api::ProblemType::kStorage, "the job's files could not be written", "try again later"));
+  if (free_bytes >= limits.result_bytes) return v;
+  v.action = Action::kRequeue;
+  v.counted_as = Requeue::kNoRoom;
+  v.delay = kUntilRoom;
+  v.problem.detail = "the server's disk is full";
+  return v;
 }
 
 }  // namespace sheetform::server

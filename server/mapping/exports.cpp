@@ -20,7 +20,8 @@ void check_name(const std::string& name) {
     if (api::may_mean(name, p.name, p.text)) like += (like.empty() ? "" : ", ") + p.name;
     all += (all.empty() ? "" : ", ") + p.name;
   }
-  throw Error(ErrorCode::kInvalidParameter, "an export has no parameter " + name.substr(0, 60), name,
+  throw Error(ErrorCode::kInvalidParameter, "an export has no parameter \"" + name.substr(0, 60) + "\"",
+              name.empty() ? "query" : name,
               (like.empty() ? "" : "you may mean " + like + "; ") + "there are " + all);
 }
 

@@ -10,7 +10,8 @@
 
 namespace sheetform::server {
 
-enum class Requeue { kInterruption, kCrash, kError };
+/// Which of its counters a start counts in. A disk without room is no fault of the job: it counts in none.
+enum class Requeue { kInterruption, kCrash, kError, kNoRoom };
 enum class DismissOutcome { kNoSuchJob, kDismissed, kRemoved };
 
 /// Thread-safe. Everything throws StoreError. When a changing call returns, the change is on stable storage.

@@ -38,16 +38,19 @@ void begin_attempt(SQLite::Database& db, std::int64_t seq, int attempt, Microsec
   insert.exec();
 }
 
-const char* counter_of(Requeue reason) {
+/// Part of an UPDATE's SET that counts the start.
+std::string counted(Requeue reason) {
   switch (reason) {
     case Requeue::kInterruption:
-      return "interruptions";
+      return ", interruptions = interruptions + 1";
     case Requeue::kCrash:
-      return "crashes";
+      return ", crashes = crashes + 1";
     case Requeue::kError:
-      return "errors";
+      return ", errors = errors + 1";
+    case Requeue::kNoRoom:
+      return "";
   }
-  return "errors";
+  return "";
 }
 
 /// Runs an UPDATE whose last two values are seq and token; writes the event when a row changed.
@@ -132,11 +135,10 @@ bool JobStore::succeed(const ClaimedJob& claimed, const std::vector<StoredOutput
 bool JobStore::fail(const ClaimedJob& claimed, const std::string& problem, const std::string& message,
                     Requeue counted_as) {
   return state_->file.write_together([&](SQLite::Database& db) {
-    const std::string counter = counter_of(counted_as);
     SQLite::Statement update(db,
                              "UPDATE job SET state = 'failed', problem = ?, message = ?, finished = ?, "
-                             "token = NULL, " +
-                                 counter + " = " + counter + " + 1" + kOwned);
+                             "token = NULL" +
+                                 counted(counted_as) + kOwned);
     update.bind(1, problem);
     update.bind(2, message);
     update.bind(3, now_us());
@@ -147,11 +149,10 @@ bool JobStore::fail(const ClaimedJob& claimed, const std::string& problem, const
 bool JobStore::requeue(const ClaimedJob& claimed, Requeue reason, Microseconds run_after,
                        const std::string& message) {
   return state_->file.write_together([&](SQLite::Database& db) {
-    const std::string counter = counter_of(reason);
     SQLite::Statement update(db,
                              "UPDATE job SET state = 'accepted', run_after = ?, message = ?, progress = 0, "
-                             "stage = '', token = NULL, " +
-                                 counter + " = " + counter + " + 1" + kOwned);
+                             "stage = '', token = NULL" +
+                                 counted(reason) + kOwned);
     update.bind(1, run_after);
     update.bind(2, message);
     return change_owned(db, update, 3, claimed);

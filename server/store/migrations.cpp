@@ -1,7 +1,5 @@
 #include "server/store/migrations.h"
 
-#include <array>
-
 namespace sheetform::server {
 namespace {
 
@@ -52,8 +50,6 @@ CREATE TABLE idempotency(
 CREATE INDEX idempotency_age ON idempotency(at);
 )";
 
-constexpr std::array<const char*, 1> kMetadata{kFirstMetadata};
-
 constexpr const char* kFirstBlobs = R"(
 CREATE TABLE chunk(digest BLOB NOT NULL, i INTEGER NOT NULL, data BLOB NOT NULL, PRIMARY KEY(digest, i)) STRICT;
 )";
@@ -73,9 +69,15 @@ void check_owner(SQLite::Database& db, int newest) {
         "the database was written by a newer version of sheetform; start that version, or restore a backup");
 }
 
-template <std::size_t N>
-void migrate(DatabaseFile& file, const std::array<const char*, N>& steps) {
-  const int newest = static_cast<int>(N);
+const std::vector<const char*>& metadata_steps() {
+  static const std::vector<const char*> steps{kFirstMetadata};
+  return steps;
+}
+
+}  // namespace
+
+void run_migrations(DatabaseFile& file, const std::vector<const char*>& steps) {
+  const int newest = static_cast<int>(steps.size());
   const int present = file.write([&](SQLite::Database& db) {
     check_owner(db, newest);
     return pragma_value(db, "user_version");
@@ -89,12 +91,10 @@ void migrate(DatabaseFile& file, const std::array<const char*, N>& steps) {
   }
 }
 
-}  // namespace
+int newest_schema() { return static_cast<int>(metadata_steps().size()); }
 
-int newest_schema() { return static_cast<int>(kMetadata.size()); }
+void migrate_metadata(DatabaseFile& file) { run_migrations(file, metadata_steps()); }
 
-void migrate_metadata(DatabaseFile& file) { migrate(file, kMetadata); }
-
-void migrate_blobs(DatabaseFile& file) { migrate(file, std::array<const char*, 1>{kFirstBlobs}); }
+void migrate_blobs(DatabaseFile& file) { run_migrations(file, {kFirstBlobs}); }
 
 }  // namespace sheetform::server

@@ -12,6 +12,9 @@ inline constexpr int kApplicationId = 0x53464d31;  ///< "SFM1"
 void migrate_metadata(DatabaseFile& file);
 void migrate_blobs(DatabaseFile& file);
 
+/// What both do: brings the file from step user_version to the last of `steps`, statements each.
+void run_migrations(DatabaseFile& file, const std::vector<const char*>& steps);
+
 /// Number of the newest metadata schema.
 int newest_schema();
 

@@ -34,6 +34,7 @@ void rethrow_as_store_error(const SQLite::Exception& error) {
   if (is_damage(code, extended)) end_after_storage_failure(error.what());
   if (code == SQLITE_FULL) throw StoreError(StoreFailure::kFull, error.what());
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED) throw StoreError(StoreFailure::kBusy, error.what());
+  if (code == SQLITE_IOERR) throw StoreError(StoreFailure::kDisk, error.what());
   throw StoreError(StoreFailure::kRefused, error.what());
 }
 

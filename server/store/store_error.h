@@ -8,6 +8,7 @@ namespace sheetform::server {
 enum class StoreFailure {
   kFull,     ///< no space left; nothing was changed
   kBusy,     ///< another process holds the database; try again
+  kDisk,     ///< the disk refused a read or a write; nothing was changed, it may go well the next time
   kRefused,  ///< a rule of the database was broken: our fault
 };
 

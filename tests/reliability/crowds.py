@@ -14,10 +14,11 @@ import tempfile
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, latencies, percentile, trial,
+from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, integrity, latencies, percentile, trial,
                     unique_mesh, until_idle)
 
 
+STORE_LOAD = os.environ.get("STORE_LOAD", "")
 DRAIN_ALL = False  # reliability.py --drain
 
 
@@ -110,6 +111,30 @@ def long_queue(figures, long, rng):
         figures.put(worked_off_per_second=len(done) / seconds)
 
 
+@trial("T10r", "a store of many jobs: a page of the list, and the next job for a slot, come as quickly as from a small one")
+def large_store(figures, long, rng):
+    if not STORE_LOAD:
+        raise Skip("STORE_LOAD does not name the program that fills a store")
+    rows, waiting, claims = (100_000, 10_000, 2000) if long else (2000, 500, 50)
+    with Server("--slots", "1", "--quiet") as server:
+        server.stop()
+        subprocess.run([STORE_LOAD, server.data, str(rows), "0", "0"], check=True)
+        server.start()
+        first = server.request("GET", "/api/v1/jobs?limit=100", check=False).json()
+        expect(len(first["jobs"]) == 100, "a page is not full")
+        after = next(link["href"] for link in first["links"] if link["rel"] == "next")
+        for name, path, most in (("page", "?limit=100", 0.02), ("next_page", after[after.index("?"):], 0.02),
+                                 ("one_state", "?limit=100&status=dismissed", 0.02),
+                                 ("none_found", "?limit=100&status=running", 0.1)):  # looks at every row
+            put_latencies(figures, name, latencies(server.port, "/api/v1/jobs" + path, 300 if long else 30), most=most)
+        figures.bar("memory_mib", server.memory() / 2**20, most=200)
+        server.stop()
+        told = subprocess.run([STORE_LOAD, server.data, "0", str(waiting), str(claims)], check=True, stdout=subprocess.PIPE)
+        put_latencies(figures, "claim", [float(line) for line in told.stdout.split()], most=0.005)
+        figures.put(rows=rows, waiting=waiting, claims=claims)
+        integrity(server.data)
+
+
 @trial("T10s", "uploads of many at a disk whose syncs take 10 ms: they share them")
 def slow_disk(figures, long, rng):
     count, clients, slow = (1600, 16, 10) if long else (48, 8, 10)
@@ -185,6 +210,49 @@ def large_uploads(figures, long, rng):
         figures.bar("server_seconds_per_gib", used * 1024 / mib, most=3)
         figures.bar("memory_peak_mib", peak[0] / 2**20, most=150)
         expect(len(set(jobs)) == count, "two uploads became one job")
+
+
+def upload_alone(server, block, blocks):
+    """Sends so many blocks as one mesh by a single connection; (seconds until the 201, those of a processor that the server
+    used for it)."""
+    digest = hashlib.sha256()
+    for _ in range(blocks):
+        digest.update(block)
+    used, begun = server.processor_seconds(), time.monotonic()
+    head = f"POST {EXECUTION}?filename=work-0.obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: {blocks * len(block)}\r\n\r\n"
+    with connect(server, head.encode()) as s:
+        s.settimeout(600)
+        for _ in range(blocks):
+            s.sendall(block)
+        answer = b""
+        while piece := s.recv(65536):
+            answer += piece
+    seconds = time.monotonic() - begun
+    status, _, body = answer.partition(b"\r\n\r\n")
+    expect(b" 201 " in status[:20], f"an upload got {answer[:200]}")
+    expect(json.loads(body)["inputs"]["mesh"]["sha256"] == digest.hexdigest(), "a digest is wrong")
+    return seconds, server.processor_seconds() - used
+
+
+@trial("T11s", "one client with a large mesh: 500 MB a second into memory, and on the disk as fast as the disk")
+def single_upload(figures, long, rng):
+    blocks, block, memory = (240 if long else 16), random.Random(11).randbytes(1 << 20), "/dev/shm"
+    if not os.access(memory, os.W_OK) or os.statvfs(memory).f_bavail * os.statvfs(memory).f_frsize < 4 * blocks << 20:
+        memory = None
+    for place, folder in (("memory", memory), ("disk", None)):
+        if place == "memory" and memory is None:
+            continue
+        with Server("--slots", "1", "--quiet", data=tempfile.mkdtemp(prefix="sheetform-alone-", dir=folder)) as server:
+            server.own_data = True
+            plain = disk_rate(server.data, block, 1, blocks) * 2**20 / 1e6
+            tries = [upload_alone(server, block[i:] + block[:i], blocks) for i in range(3 if long else 1)]
+            rates = sorted(blocks * len(block) / 1e6 / seconds for seconds, _ in tries)
+            figures.put(**{f"{place}_plain_mb_per_second": plain, f"{place}_processor_seconds": min(used for _, used in tries)})
+            if place == "memory":
+                figures.bar("memory_mb_per_second", rates[-1], least=500)
+            else:
+                figures.put(disk_mb_per_second=rates[-1])
+                figures.bar("share_of_disk", rates[-1] / min(plain, 500), least=0.6)
 
 
 WAYS = {"memory": "memory-limit", "abort": "worker-crashed", "refuse": "unsupported-mesh", "nothing": "algorithm-failed",

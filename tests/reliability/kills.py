@@ -117,20 +117,25 @@ def session(server, count):
     return acknowledged
 
 
-def with_failing_sync(server):
-    """A session over which a sync fails: what was acknowledged, and the exit status (None: the server lives on)."""
+def with_a_fault(server, uploads=4):
+    """A session over which the disk fails: what was acknowledged, and the exit status (None: the server lives on)."""
     acknowledged = {}
     try:
         server.find_port()
-        acknowledged = session(server, 4)
-        if not server.fired():
-            until_idle(server, 60)
+        acknowledged = session(server, uploads)
+        active = lambda: server.request("GET", "/api/v1/jobs?status=accepted,running&limit=1", check=False).json()["jobs"]
+        server.until("the jobs end, or the fault comes", lambda: server.fired() or not active(), 60)
     except (AssertionError, OSError, ValueError, http.client.HTTPException):
         pass  # it died while it was being asked
-    deadline = time.monotonic() + 5
+    return acknowledged, end_of(server, 5)
+
+
+def end_of(server, seconds):
+    """The exit status of a server that a fault has struck; None when it does not end within so long."""
+    deadline = time.monotonic() + seconds
     while server.fired() and server.process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
-    return acknowledged, server.process.poll()
+    return server.process.poll()
 
 
 @trial("T4", "the N-th sync fails: the process ends with status 74, nothing acknowledged is lost")
@@ -138,7 +143,7 @@ def failing_syncs(figures, long, rng):
     ended, lived_on, total, number = {}, [], 0, 0
     for number in range(1, 1000) if long else sorted(rng.sample(range(1, 40), 6)):
         with FaultyServer("--slots", "1", "--quiet", sync=number, wait=False) as server:
-            acknowledged, status = with_failing_sync(server)
+            acknowledged, status = with_a_fault(server)
             fired = server.fired()
             if status is not None:
                 expect(fired and status == 74, f"the status is {status}, and sync {number} failed: {fired}")
@@ -158,44 +163,16 @@ def failing_syncs(figures, long, rng):
     figures.put(syncs_tried=number, ended=str(ended), lived_on=str(lived_on), acknowledged=total)
 
 
-@trial("T5", "a full disk: uploads are refused, reading goes on, jobs wait for room and then end well")
-def full_disk(figures, long, rng):
-    with FaultyServer("--slots", "2", "--quiet") as server:
-        old = server.wait(server.submit()["jobID"])["jobID"]
-        running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
-        waiting = [server.submit()["jobID"] for _ in range(3)]
-        for job_id in running:
-            server.wait(job_id, until=("running",))
-        server.full(True)
-        begun, refused = time.monotonic(), 0
-        while time.monotonic() - begun < (20 if long else 4):
-            answer = server.request("POST", EXECUTION, unique_mesh(), check=False)
-            expect((answer.status, answer.slug()) == (507, "disk-full"), f"an upload got {answer.status} {answer.body[:200]}")
-            refused += 1
-            expect(verify_results(server, old) == 3, "the old result cannot be read")
-            expect(server.request("GET", "/api/v1/jobs", check=False).status == 200, "the list cannot be read")
-            time.sleep(0.05)
-        expect(server.request("GET", "/healthz", check=False).status == 200, "a full disk is no bad health")
-        expect(not os.listdir(server.data + "/spool"), "unfinished uploads are left")
-        states = {server.job(i)["status"] for i in running + waiting}
-        expect(states <= {"accepted", "running"}, f"jobs ended on a full disk: {states}")
-        server.full(False)
-        begun = time.monotonic()
-        for job_id in running + waiting:
-            job = server.wait(job_id, timeout=120)
-            expect(job["status"] == "successful", f"after the disk had room again: {job}")
-        figures.put(uploads_refused=refused, seconds_until_all_had_ended=time.monotonic() - begun,
-                    computed_twice=sum(server.job(i)["attempt"] - 1 for i in running + waiting))
-        server.wait(server.submit()["jobID"])
-        server.stop()
-        integrity(server.data)
+HOUR = 3600
 
 
-@trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or is removed")
+@trial("T19", "the clock jumps an hour either way: nothing runs twice, stays behind or runs out of time")
 def clock_jumps(figures, long, rng):
-    with FaultyServer("--slots", "1", "--quiet") as server:
+    with FaultyServer("--slots", "2", "--job-seconds", "1000", "--quiet") as server:
+        silent = server.submit(name="deaf.obj")["jobID"]  # by the clock its time would be up, and it says nothing
+        server.wait(silent, until=("running",))
         jobs = []
-        for step in ([3600, -3600, 0, 7200, -86400] if long else [-3600, 3600]):
+        for step in ([HOUR, -HOUR, 0, 2 * HOUR, -24 * HOUR] if long else [-HOUR, HOUR]):
             running = server.submit(name="work-2000.obj")["jobID"]
             jobs += [running, server.submit()["jobID"]]
             server.wait(running, until=("running",))
@@ -205,4 +182,37 @@ def clock_jumps(figures, long, rng):
                 expect(server.wait(job_id)["status"] == "successful", "a job did not end")
         attempts = [server.job(i)["attempt"] for i in jobs]
         expect(set(attempts) == {1}, f"jobs ran again: {attempts}")
+        job = server.job(silent)
+        expect((job["status"], job["attempt"]) == ("running", 1), f"the clock ended a job: {job}")
         figures.put(jobs=len(jobs))
+
+
+def after_housekeeping(server, step):
+    """Sets the clock, starts the server anew and waits until its housekeeping has been: until a job of two days ago is gone."""
+    server.clock(step - 48 * HOUR)
+    old = server.wait(server.submit()["jobID"])["jobID"]
+    server.clock(step)
+    server.restart()
+    server.until("the housekeeping", lambda: server.request("GET", f"/api/v1/jobs/{old}", check=False).status == 404)
+
+
+@trial("T19r", "the clock jumps: nothing expires before its day is over, and then it does")
+def clock_and_retention(figures, long, rng):
+    with FaultyServer("--slots", "1", "--keep-days", "1", "--quiet") as server:
+        mesh, key = unique_mesh(), {"Idempotency-Key": "of-the-day"}
+        send = lambda: server.submit(mesh, headers=key)["jobID"]
+        kept = [server.wait(send())["jobID"], server.submit()["jobID"]]
+        server.wait(kept[1])
+        kept.append(server.submit(name="deaf.obj")["jobID"])
+        server.request("DELETE", f"/api/v1/jobs/{kept[2]}", check=False)
+        status = lambda: [server.request("GET", f"/api/v1/jobs/{i}", check=False).status for i in kept]
+        steps = [HOUR, -HOUR, 0, HOUR, 23.9 * HOUR] if long else [HOUR, -HOUR]
+        for step in steps:
+            after_housekeeping(server, step)
+            expect(status() == [200] * 3, f"by a step to {step / HOUR} h jobs are gone: {status()}")
+            expect(verify_results(server, kept[0]) == 3, "a result is gone")
+            expect(send() == kept[0], "the key of a request is forgotten")
+        after_housekeeping(server, 24.1 * HOUR)
+        expect(status() == [404] * 3, f"jobs outlive their day: {status()}")
+        expect(send() != kept[0], "the key of a request outlives its day")
+        figures.put(steps_hours=str([step / HOUR for step in steps]), expired_early=0)

@@ -125,6 +125,50 @@ def many_streams(figures, long, rng):
         figures.put(streams=count)
 
 
+def follow(server, job_id, seconds):
+    """Reads a job's stream to its end, over restarts, as an EventSource does; [number of the event] and the last state."""
+    path, seen, last, state = f"/api/v1/jobs/{job_id}/events", [], None, None
+    deadline = time.monotonic() + seconds
+    while state not in ("successful", "failed") and time.monotonic() < deadline:
+        for number, _, data in stream(server, path, last):
+            if number:
+                seen.append(int(number))
+                last, state = number, data["status"]
+        time.sleep(0.05)
+    return seen, state
+
+
+@trial("T16c", "200 event streams, the server is killed in the middle of the job: each goes on where it was")
+def many_cut_streams(figures, long, rng):
+    count = 200 if long else 40
+    with Server("--slots", "1", "--quiet") as server:
+        server.get("/healthz")
+        memory = server.memory()
+        job_id = server.submit(name="work-6000.obj" if long else "work-3000.obj")["jobID"]
+        told = []
+        crowd = threading.Thread(target=lambda: told.extend(in_threads(count, lambda i: follow(server, job_id, 120))))
+        crowd.start()
+        server.until_streams(count)
+        figures.bar("memory_growth_mib", (server.memory() - memory) / 2**20, most=32)
+        times = latencies(server.port, f"/api/v1/jobs/{job_id}", 300 if long else 20)
+        server.until("the middle of the job", lambda: server.job(job_id)["progress"] >= 30)
+        begun = time.monotonic()
+        server.restart(signal.SIGKILL)
+        server.until_streams(count)
+        figures.put(all_back_seconds=time.monotonic() - begun)
+        times += latencies(server.port, f"/api/v1/jobs/{job_id}", 300 if long else 20)
+        crowd.join()
+        figures.put(streams=count, beside_p50=percentile(times, 0.5))
+        figures.bar("beside_p99", percentile(times, 0.99), most=0.005)
+        job = server.job(job_id)
+        expect((job["status"], job["attempt"]) == ("successful", 2), f"the job was not cut: {job}")
+        whole = [int(number) for number, _, _ in stream(server, f"/api/v1/jobs/{job_id}/events") if number]
+        expect(whole == list(range(1, len(whole) + 1)), f"the story has gaps: {whole}")
+        wrong = [(seen, state) for seen, state in told if seen != whole or state != "successful"]
+        expect(len(told) == count and not wrong, f"{len(wrong)} of {count} streams tell another story: {wrong[:1]}, not {whole}")
+        figures.put(events_each=len(whole), gaps=0, duplicates=0)
+
+
 @trial("T15", "100 requests with one key, and again after kill -9: one job")
 def idempotency(figures, long, rng):
     with Server("--slots", "1", "--quiet") as server:

@@ -1,4 +1,5 @@
 """What the trials share: the list of them, figures and bars, loads in processes of their own, a preloaded server."""
+import errno
 import multiprocessing
 import os
 import random
@@ -144,10 +145,11 @@ def verify_results(server, job_id):
 
 
 class FaultyServer(Server):
-    """A server under io_faults.cpp: its sync number `sync` fails, or each takes `slow` milliseconds more. full(True) fills its
-    disk, clock(s) puts its clock forward by s seconds."""
+    """A server under io_faults.cpp: its sync number `sync` fails, or its write number `write` with `error` in one of the
+    forms of the library, or each sync takes `slow` milliseconds more. count_writes: every_write() tells them. full(True)
+    fills its disk, clock(s) puts its clock forward by s seconds."""
 
-    def __init__(self, *options, sync=None, slow=None, **others):
+    def __init__(self, *options, sync=None, write=None, error=errno.EIO, form="once", count_writes=False, slow=None, **others):
         if not IO_FAULTS or "libasan" in os.environ.get("LD_PRELOAD", ""):
             raise Skip("IO_FAULTS does not name the library to preload")
         import tempfile
@@ -160,6 +162,10 @@ class FaultyServer(Server):
                "FAULT_FOLDER": data, "FAULT_CLOCK": self.clock_file}
         if sync:
             env["FAULT_SYNC"] = str(sync)
+        if write:
+            env.update(FAULT_WRITE=str(write), FAULT_ERROR=str(error), FAULT_FORM=form)
+        if count_writes:
+            env["FAULT_WRITES"] = self.control + "/writes"
         if slow:
             env["FAULT_SLOW"] = str(slow)
         super().__init__(*options, env=env, **others)
@@ -167,7 +173,7 @@ class FaultyServer(Server):
 
     def healthy(self):
         """No more faults from the next start on."""
-        self.env = {k: v for k, v in self.env.items() if k not in ("LD_PRELOAD", "FAULT_SYNC")}
+        self.env = {k: v for k, v in self.env.items() if k not in ("LD_PRELOAD", "FAULT_SYNC", "FAULT_WRITE")}
 
     def full(self, state):
         if state:
@@ -182,10 +188,25 @@ class FaultyServer(Server):
     def fired(self):
         return os.path.exists(self.fired_mark)
 
+    def struck(self):
+        """Which file the fault has struck: "sheetform.db-wal", "part" for an upload, ..."""
+        with open(self.fired_mark) as f:
+            return kind_of(f.readline())
+
+    def every_write(self):
+        """The files that were written so far, in order, named as by struck()."""
+        with open(self.control + "/writes") as f:
+            return [kind_of(line) for line in f]
+
     def __exit__(self, *unused):
         super().__exit__()
         import shutil
         shutil.rmtree(self.control, ignore_errors=True)
+
+
+def kind_of(path):
+    name = os.path.basename(path.strip())
+    return "part" if name.endswith(".part") else name
 
 
 def integrity(data):

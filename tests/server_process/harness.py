@@ -282,16 +282,20 @@ class Contract:
 
     def __init__(self, description):
         self.description = description
-        self.seen = set()
+        self.seen = set()  # (path, method, status) of every answer that was found to be as described
 
     def operation(self, method, path):
         path = urllib.parse.unquote(path.split("?")[0])
         for template, item in self.description["paths"].items():
             pattern = re.sub(r"\{[^}]*\}", "[^/]+", template)
             if re.fullmatch(pattern, path) and (method.lower() in item or method == "HEAD"):
-                self.seen.add((template, method))
-                return item.get(method.lower() if method != "HEAD" else "get")
-        return None
+                return template, item.get(method.lower() if method != "HEAD" else "get")
+        return None, None
+
+    def responses(self):
+        """(path, method, status) of every response that is described."""
+        return {(path, method.upper(), status) for path, item in self.description["paths"].items()
+                for method, operation in item.items() if method != "parameters" for status in operation["responses"]}
 
     def check(self, method, path, answer):
         if answer.headers.get("Content-Type") == "application/problem+json" and method != "HEAD":
@@ -301,9 +305,13 @@ class Contract:
         if method == "GET" and answer.status == 200 and digest:
             own = base64.b64encode(hashlib.sha256(answer.body).digest()).decode()
             assert digest == f"sha-256=:{own}:", f"{method} {path}: Repr-Digest is not that of the body"
-        operation = self.operation(method, path)
+        template, operation = self.operation(method, path)
         if operation is None:
             return
+        self.hold(operation, method, path, answer)
+        self.seen.add((template, method, str(answer.status)))
+
+    def hold(self, operation, method, path, answer):
         declared = operation["responses"]
         where = f"{method} {path} -> {answer.status}"
         # What every address can answer, whatever it is for.

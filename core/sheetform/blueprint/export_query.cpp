@@ -377,7 +377,8 @@ ExportRequest read_export_request(std::string_view format, const std::map<std::s
     for (const Entry& e : entries())
       if (e.described.name == name) found = &e;
     if (!found)
-      throw Error(ErrorCode::kInvalidParameter, "there is no parameter of this name", name, "Leave it out");
+      throw Error(ErrorCode::kInvalidParameter, "there is no parameter of this name",
+                  name.empty() ? "query" : name, "Leave it out");
     found->read(request, value);
   }
   validate(request.blueprint);

@@ -203,7 +203,8 @@ std::vector<Defect> check_rulings(const StripMesh& r, int patch, const PatchShap
   std::vector<int> inside;
   for (int i : shape.inner) inside.push_back(shape.vertices[i][0]);
   std::vector<std::array<int, 2>> seen;
-  for (const auto& [a, b] : rulings) {
+  for (const auto& ruling : rulings) {
+    const int a = ruling[0], b = ruling[1];  // not bound by name: Clang 14 captures no such names
     const std::array<int, 2> edge{std::min(a, b), std::max(a, b)};
     const auto fault = [&](const char* text) {
       out.push_back({"S8", "ruling " + edge_name(a, b) + text, patch, r.points[a]});

@@ -38,6 +38,8 @@ TEST(Priority, OnlyWhatAClientWaitsForGoesBeforeTheJobs) {
   EXPECT_FALSE(awaited(WorkerMode::kSweep));
 }
 
+constexpr std::uint64_t kRoom = std::uint64_t{1} << 40;
+
 TEST(Verdict, Table) {
   const ServiceLimits limits;
   constexpr auto kNone = StopReason::kNone;
@@ -91,7 +93,7 @@ TEST(Verdict, Table) {
     if (c.told) told.emplace().type = ProblemType::kUnsupportedMesh;
     JobRecord job;
     job.crashes = job.errors = job.interruptions = c.used;
-    const Verdict v = judge_attempt(report, told, c.has_result, c.reason, job, "trace", limits);
+    const Verdict v = judge_attempt(report, told, c.has_result, c.reason, job, "trace", limits, kRoom);
     EXPECT_EQ(v.action, c.action);
     if (v.action == Action::kFail || v.action == Action::kRequeue) {
       EXPECT_EQ(v.problem.type, c.problem);
@@ -111,11 +113,30 @@ TEST(Verdict, AJobThatWatchesTheClockItselfRanOutOfTime) {
   told->type = ProblemType::kTimeLimit;
   ServiceLimits limits;
   limits.job_seconds = 7;
-  const Verdict v = judge_attempt(report, told, false, StopReason::kNone, {}, "remove", limits);
+  const Verdict v = judge_attempt(report, told, false, StopReason::kNone, {}, "remove", limits, kRoom);
   EXPECT_EQ(v.action, Action::kFail);
   EXPECT_EQ(v.outcome, "time");
   EXPECT_EQ(v.problem.type, ProblemType::kTimeLimit);
   EXPECT_THAT(v.problem.detail, ::testing::HasSubstr("7 s"));
+}
+
+/// However often it has been tried: there may be room the next time.
+TEST(Verdict, AFullDiskIsNoFaultOfTheJob) {
+  ChildReport report;
+  report.ending = ChildEnding::kExited;
+  report.exit_status = 74;
+  const ServiceLimits limits;
+  JobRecord job;
+  job.errors = limits.errors + 7;
+  const auto judged = [&](std::uint64_t free_bytes) {
+    return judge_attempt(report, std::nullopt, false, StopReason::kNone, job, "write", limits, free_bytes);
+  };
+  const Verdict full = judged(limits.result_bytes - 1);
+  EXPECT_EQ(full.action, Action::kRequeue);
+  EXPECT_EQ(full.counted_as, Requeue::kNoRoom);
+  EXPECT_LE(full.delay, 5 * kSecond);
+  EXPECT_GT(full.delay, 0);
+  EXPECT_EQ(judged(limits.result_bytes).action, Action::kFail);
 }
 
 TEST(WorkerProtocol, RequestRoundTrips) {

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "server/mapping/errors.h"
+#include "server/mapping/exports.h"
 #include "server/mapping/parameters.h"
 #include "server/mapping/run.h"
 
@@ -160,6 +161,19 @@ TEST_F(SweepOfATetrahedron, FailsWhenNothingIsFoundInTimeOrForAnotherReason) {
   }
   EXPECT_THROW(run([](const SweepStep&) { throw Error(ErrorCode::kCancelled, "stop"); }), Error);
   EXPECT_THROW(run([](const SweepStep&) { throw Error(ErrorCode::kInternal, "broken"); }), Error);
+}
+
+TEST(Exports, AParameterWithoutANameHasAPlaceToo) {
+  ExportWish wish;
+  wish.format = "pdf";
+  wish.query = {{"", "on"}};
+  try {
+    check_export(wish);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kInvalidParameter);
+    EXPECT_EQ(e.where(), "query");
+  }
 }
 
 }  // namespace

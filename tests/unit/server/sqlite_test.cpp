@@ -3,13 +3,18 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <thread>
 
 #include "server/base/digest.h"
 #include "server/base/identity.h"
+#include "server/store/migrations.h"
 
 namespace sheetform::server {
 namespace {
@@ -133,6 +138,84 @@ TEST_F(WriteTogether, AFullFileRefusesOnlyWhatDoesNotFit) {
   });
   EXPECT_EQ(full, 1);
   EXPECT_EQ(stored(), (std::vector<int>{0, 1, 2, 4, 5, 6, 7}));
+}
+
+class Migration : public testing::Test {
+ protected:
+  Migration() {
+    fs::create_directories(folder_);
+    DatabaseFile file(path_, "");
+    run_migrations(file, {kFirst});
+    file.write([](SQLite::Database& db) { db.exec("INSERT INTO t VALUES(7)"); });
+  }
+  ~Migration() override { fs::remove_all(folder_); }
+
+  /// user_version, and the columns and values of t.
+  std::string state() {
+    DatabaseFile file(path_, "");
+    return file.read([](SQLite::Database& db) {
+      EXPECT_EQ(db.execAndGet("PRAGMA integrity_check").getString(), "ok");
+      return db.execAndGet("PRAGMA user_version").getString() + " " +
+             db.execAndGet("SELECT group_concat(name) FROM pragma_table_info('t')").getString() + " " +
+             db.execAndGet("SELECT group_concat(x) FROM t").getString();
+    });
+  }
+
+  static constexpr const char* kFirst = "CREATE TABLE t(x INTEGER PRIMARY KEY) STRICT";
+  static constexpr const char* kSecond = "ALTER TABLE t ADD COLUMN y INTEGER; UPDATE t SET x = x + 1";
+  const fs::path folder_ = fs::temp_directory_path() / ("sheetform-migration-" + to_hex(random_bytes(6)));
+  const fs::path path_ = folder_ / "t.db";
+};
+
+TEST_F(Migration, TakesTheStepsThatAreMissing) {
+  EXPECT_EQ(state(), "1 x 7");
+  for (int i = 0; i < 2; ++i) {  // the second time there is nothing to do
+    DatabaseFile file(path_, "");
+    run_migrations(file, {kFirst, kSecond});
+  }
+  EXPECT_EQ(state(), "2 x,y 8");
+}
+
+TEST_F(Migration, AStepThatFailsLeavesTheFileAsItWas) {
+  {
+    DatabaseFile file(path_, "");
+    EXPECT_THROW(run_migrations(file, {kFirst, "UPDATE t SET x = x + 1; SELECT no_such_function()"}),
+                 StoreError);
+  }
+  EXPECT_EQ(state(), "1 x 7");
+}
+
+TEST_F(Migration, KilledInTheMiddleItBeginsAnew) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    DatabaseFile file(path_, "");
+    file.follow_changes(
+        [](SQLite::Database& db) {
+          db.createFunction(
+              "die", 0, true, nullptr, [](sqlite3_context*, int, sqlite3_value**) { ::raise(SIGKILL); },
+              nullptr, nullptr, nullptr);
+        },
+        {});
+    run_migrations(file,
+                   {kFirst, "ALTER TABLE t ADD COLUMN y INTEGER; UPDATE t SET x = x + 1; SELECT die()"});
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(state(), "1 x 7");
+  {
+    DatabaseFile file(path_, "");
+    run_migrations(file, {kFirst, kSecond});
+  }
+  EXPECT_EQ(state(), "2 x,y 8");
+}
+
+TEST_F(Migration, FilesOfOthersAndOfLaterVersionsAreRefused) {
+  DatabaseFile file(path_, "");
+  EXPECT_THROW(run_migrations(file, {}), StoreError);
+  file.write([](SQLite::Database& db) { db.exec("PRAGMA application_id=7"); });
+  EXPECT_THROW(run_migrations(file, {kFirst}), StoreError);
 }
 
 }  // namespace

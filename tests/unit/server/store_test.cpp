@@ -211,6 +211,17 @@ TEST_F(JobStoreTest, HeldBackJobsWaitForTheirTime) {
   EXPECT_EQ(again->job.crashes, 1);
 }
 
+TEST_F(JobStoreTest, AStartCountsForItsReasonAlone) {
+  store_.accept(new_job());
+  for (const Requeue reason : {Requeue::kCrash, Requeue::kError, Requeue::kInterruption, Requeue::kNoRoom}) {
+    const ClaimedJob claimed = *store_.claim(now_us());
+    ASSERT_TRUE(store_.requeue(claimed, reason, now_us(), "again"));
+  }
+  const JobRecord job = store_.claim(now_us())->job;
+  EXPECT_EQ(std::make_tuple(job.attempt, job.crashes, job.errors, job.interruptions),
+            std::make_tuple(5, 1, 1, 1));
+}
+
 TEST_F(JobStoreTest, AClockThatWasPutBackHoldsNobodyBack) {
   store_.accept(new_job());
   store_.accept(new_job());
