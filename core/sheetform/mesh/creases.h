@@ -22,7 +22,8 @@ std::vector<char> detect_creases(const SurfaceMesh& mesh, double angle_degrees,
 /// `crease` without what bounds regions narrower than `width` (twice the area over the outline), as a thin
 /// chamfer or the overlap of a file's triangles: such a region joins a wider neighbour over the line between
 /// them, the one that folds least of those that are long. Regions with narrow neighbours alone stay, and the
-/// walls of thin plates. The lines that go are about `width` away from others that stay. O(n) for each of a few passes; deterministic.
+/// walls of thin plates. The lines that go are about `width` away from others that stay. O(n) for each of a
+/// few passes; deterministic.
 std::vector<char> without_narrow_regions(const SurfaceMesh& mesh, std::vector<char> crease, double width);
 
 }  // namespace sheetform
