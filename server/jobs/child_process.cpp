@@ -6,7 +6,6 @@
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 
 #include <array>
@@ -14,6 +13,10 @@
 #include <cstring>
 #include <system_error>
 #include <thread>
+
+extern "C" {  // which glibc 2.36 forgets
+#include <sys/pidfd.h>
+}
 
 #include "server/base/log.h"
 
@@ -65,9 +68,7 @@ class Watch {
   Watch(const ChildTask& task, ChildReport& report) : task_(task), report_(report) { start(); }
   /// Whoever stops listening (on_message threw) leaves no child behind.
   ~Watch() {
-    if (gone_ || pid_ <= 0) return;
-    ::kill(-pid_, SIGKILL);
-    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) continue;
+    if (!gone_ && pid_ > 0) put_down();
   }
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
@@ -92,6 +93,7 @@ class Watch {
 
  private:
   void start();
+  void put_down();
   void reap();
   void read_log();
   void read_status();
@@ -119,9 +121,19 @@ void Watch::start() {
   const Descriptor folder = task_.folder >= 0 ? high_copy(task_.folder) : Descriptor();
   pid_ = begin_child(task_,
                      {log.write_end.get(), input.get(), folder.get(), status.write_end.get(), request.get()});
-  pid_file_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+  pid_file_.reset(::pidfd_open(pid_, 0));
+  if (!pid_file_.valid()) {  // nobody would hear of its end
+    const int error = errno;
+    put_down();
+    throw std::system_error(error, std::generic_category(), "pidfd_open");
+  }
   status_ = std::move(status.read_end);
   log_ = std::move(log.read_end);
+}
+
+void Watch::put_down() {
+  ::kill(-pid_, SIGKILL);
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) continue;
 }
 
 void Watch::reap() {

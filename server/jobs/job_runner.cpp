@@ -231,12 +231,23 @@ Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, in
   return verdict;
 }
 
-void fail_without_input(const RunnerParts& parts, const ClaimedJob& claimed) {
+/// The mesh of a job; none when the attempt has ended for want of it. Only a mesh that is not there ends the
+/// job, not a lack of descriptors.
+Descriptor open_input(const RunnerParts& parts, const ClaimedJob& claimed) {
   Verdict verdict;
-  verdict.problem.type = api::ProblemType::kStorage;
-  verdict.problem.detail = "the uploaded mesh is not in the store any more";
-  verdict.problem.fix = "upload it again";
+  try {
+    Descriptor input = parts.inputs.open(claimed.job.input);
+    if (input.valid()) return input;
+    verdict.problem.type = api::ProblemType::kStorage;
+    verdict.problem.detail = "the uploaded mesh is not in the store any more";
+    verdict.problem.fix = "upload it again";
+  } catch (const std::system_error& e) {
+    log_error("a job could not be started", {{"job", claimed.job.id}, {"reason", e.what()}});
+    verdict = judge_attempt(ChildReport{}, {}, false, StopReason::kNone, claimed.job, "", parts.limits,
+                            free_bytes(parts));
+  }
   act(parts, claimed, verdict);
+  return {};
 }
 
 void log_end(const ClaimedJob& claimed, const Verdict& verdict, const ChildReport& report) {
@@ -258,8 +269,8 @@ std::uint64_t free_bytes(const RunnerParts& parts) {
 }
 
 void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const AttemptWishes& wishes) {
-  const Descriptor input = parts.inputs.open(claimed.job.input);
-  if (!input.valid()) return fail_without_input(parts, claimed);
+  const Descriptor input = open_input(parts, claimed);
+  if (!input.valid()) return;
   const AttemptFolder folder(parts.work, claimed);
   Listener listener(parts, claimed);
   ChildTask task = task_for(parts, claimed, input.get(), folder.descriptor(), wishes);

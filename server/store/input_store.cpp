@@ -124,7 +124,10 @@ void InputStore::keep(Upload& upload) {
 }
 
 Descriptor InputStore::open(const std::string& digest) const {
-  return Descriptor(::open(path_of(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  Descriptor input(::open(path_of(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!input.valid() && errno != ENOENT)
+    throw std::system_error(errno, std::generic_category(), "an uploaded mesh could not be opened");
+  return input;
 }
 
 void InputStore::drop(const std::string& digest) { ::unlink(path_of(digest).c_str()); }

@@ -44,7 +44,7 @@ class InputStore {
   /// Puts a finished upload under its digest: data synced, linked, folder synced, in this order. A failed
   /// sync ends the process. Throws std::system_error when the disk is full.
   void keep(Upload& upload);
-  /// Read-only; not valid when there is none.
+  /// Read-only; not valid when there is none. Throws std::system_error when that cannot be told.
   Descriptor open(const std::string& digest) const;
   void drop(const std::string& digest);
   /// Digests of files last changed before `oldest` (microseconds since 1970), at most `limit`.

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <random>
 #include <set>
+#include <system_error>
 #include <thread>
 
 #include "server/base/digest.h"
@@ -433,6 +435,22 @@ TEST(InputStore, KeepsOnceUnderTheDigest) {
   EXPECT_EQ(inputs.older_than(now_us() + kHour, 10), std::vector<std::string>{sha256(content)});
   inputs.drop(sha256(content));
   EXPECT_FALSE(inputs.open(sha256(content)).valid());
+}
+
+TEST(InputStore, TellsAMeshThatIsGoneFromALackOfDescriptors) {
+  const Folder folder;
+  InputStore inputs(folder.path());
+  Upload upload(inputs.spool());
+  upload.add("abc");
+  inputs.keep(upload);
+  rlimit usual{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &usual), 0);
+  const rlimit none{0, usual.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  EXPECT_THROW((void)inputs.open(sha256("abc")), std::system_error);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &usual), 0);
+  EXPECT_TRUE(inputs.open(sha256("abc")).valid());
+  EXPECT_FALSE(inputs.open(sha256("abd")).valid());
 }
 
 TEST(InputStore, KeepsWhereTheFoldersCouldNotBeMadeAtTheStart) {
