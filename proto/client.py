@@ -15,6 +15,7 @@ def call(path, body=None, **headers):
         sys.exit("{}: {} {}".format(problem["title"], problem.get("detail", ""), problem.get("fix", "")))
 
 
+if len(sys.argv) < 4: sys.exit(__doc__)
 server, mesh, folder, *parameters = sys.argv[1:]
 query = urllib.parse.urlencode({"filename": os.path.basename(mesh), **dict(p.split("=", 1) for p in parameters)})
 with open(mesh, "rb") as file:  # the key makes it safe to send the same request again after a broken connection
