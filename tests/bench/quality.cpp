@@ -196,7 +196,8 @@ void nodes(const StripMesh& strips, Quality& q) {
 Quality measure_quality(const InputMesh& input, const Decomposition& result, RunContext& context) {
   Quality q;
   const Reference reference(input, context);
-  const DistanceReport distance = measure_distance(input.soup, reference.tree, result.strips, 20000, context);
+  const DistanceReport distance = measure_distance(reference.mesh.points, reference.mesh.faces,
+                                                   reference.tree, result.strips, 20000, context);
   q.input_to_result = distance.input_to_result / reference.diagonal;
   q.result_to_input = distance.result_to_input / reference.diagonal;
   q.mean_distance = distance.mean / reference.diagonal;
