@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "sheetform/mesh/creases.h"
 
@@ -8,9 +7,8 @@ namespace sheetform {
 namespace {
 
 constexpr int kMostPasses = 20;
-constexpr double kLongShare = 0.3;  // of the outline: a line that a region may be opened along
-constexpr double kMostBeyond =
-    2.1;  // radians between what lies beyond two lines; more: the wall of a thin plate
+constexpr double kLongShare = 0.3;   // of the outline: a line that a region may be opened along
+constexpr double kMostBeyond = 2.1;  // radians between what lies beyond two lines; more: a thin plate's wall
 
 struct Regions {
   std::vector<int> of_face;
@@ -31,8 +29,8 @@ Regions regions_between(const SurfaceMesh& mesh, const std::vector<char>& crease
       const int f = stack.back();
       stack.pop_back();
       r.area[id] += mesh.face_normal_raw(f).norm() / 2;
-      for (int e : mesh.face_edges[f]) {
-        const int next = mesh.edges[e].other_face(f);
+      for (int k = 0; k < 3; ++k) {
+        const int e = mesh.face_edges[f][k], next = mesh.face_neighbours[f][k];
         if (next < 0 || crease[e])
           r.outline[id] += mesh.edge_length(e);
         else if (r.of_face[next] < 0)

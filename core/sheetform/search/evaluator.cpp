@@ -366,7 +366,7 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
   for (const MorphSample& s : samples) {
     const Vector3 x = s.at(position);
     double d = (x - s.target).norm();
-    if (d > limit && d > worst) {
+    if (d > std::max(limit, worst)) {
       if (!s.covers) {
         // The target lies on the working mesh, the input is a little off: hence the slack.
         const ClosestPoint hit = input.closest(x, (d + 2e-3) * (d + 2e-3));
