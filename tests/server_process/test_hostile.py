@@ -118,8 +118,11 @@ class Descriptors(HostileCase):
         for number, link in links_of(self.server.process.pid).items():
             if number <= 2:
                 continue
-            with open(f"/proc/{self.server.process.pid}/fdinfo/{number}") as f:
-                flags = int(re.search(r"flags:\s+(\d+)", f.read()).group(1), 8)
+            try:
+                with open(f"/proc/{self.server.process.pid}/fdinfo/{number}") as f:
+                    flags = int(re.search(r"flags:\s+(\d+)", f.read()).group(1), 8)
+            except FileNotFoundError:
+                continue  # closed meanwhile: the server does not stand still
             looked_at += 1
             if not flags & os.O_CLOEXEC:
                 inherited.append(link)
