@@ -50,6 +50,7 @@ class StripSearch {
     for (int i = 0; i < m_; ++i) total_area_ += cross(polygon_.uv[i], polygon_.uv[(i + 1) % m_]) / 2;
     if (total_area_ <= 0) return set;
     score_chords();
+    score_triangles();
     fill_table();
     collect(set);
     return set;
@@ -106,32 +107,44 @@ class StripSearch {
   double triangle_cost(int i, int k, int j) {
     const Vector2 &a = polygon_.uv[i], &b = polygon_.uv[k], &c = polygon_.uv[j];
     const double area = cross(b - a, c - a) / 2;
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double height = 2 * area / std::max(longest, 1e-300);
-    double cost =
-        std::max(area, 0.0) / total_area_ * 0.5 * (score(i, k).cost + score(k, j).cost + score(j, i).cost);
-    for (auto [x, y] : {std::pair{i, k}, std::pair{k, j}, std::pair{j, i}})
-      if (score(x, y).cost >= kForbidden) cost += kForbidden;
-    if (height < params_.min_height) {
-      const double lack = 1 - height / params_.min_height;  // over 1: inverted
-      cost += height > 0 ? 0.05 * lack : 10 + lack;
+    const float first = score(i, k).cost, second = score(k, j).cost, third = score(j, i).cost;
+    double cost = std::max(area, 0.0) / total_area_ * 0.5 * (first + second + third);
+    for (float side : {first, second, third})
+      if (side >= kForbidden) cost += kForbidden;
+    const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}),
+                 least = params_.min_height * std::sqrt(longest2);
+    if (2 * area < least) {
+      const double lack = 1 - 2 * area / std::max(least, 1e-300);  // over 1: inverted
+      cost += area > 0 ? 0.05 * lack : 10 + lack;
     }
     return cost;
   }
 
+  // Every triangle of an outline edge and a point occurs twice in the table.
+  void score_triangles() {
+    triangle_.assign(static_cast<std::size_t>(m_) * m_, 0);
+    for (int i = 0; i < m_; ++i)
+      for (int l = 2; l < m_; ++l)
+        triangle(i, wrapped(i + l)) = triangle_cost(i, wrapped(i + 1), wrapped(i + l));
+  }
+
+  // The triangle of outline edge (i, i+1) and point j.
+  double& triangle(int i, int j) { return triangle_[static_cast<std::size_t>(i) * m_ + j]; }
   // table(i, l): best strip over the outline from point i to point i+l, closed by the chord between them.
-  double& table(int i, int l) { return table_[static_cast<std::size_t>(i % m_) * m_ + l]; }
-  char& choice(int i, int l) { return choice_[static_cast<std::size_t>(i % m_) * m_ + l]; }
+  double& table(int i, int l) { return table_[static_cast<std::size_t>(i) * m_ + l]; }
+  char& choice(int i, int l) { return choice_[static_cast<std::size_t>(i) * m_ + l]; }
+
+  // Of an index below 2 m.
+  int wrapped(int i) const { return i < m_ ? i : i - m_; }
 
   void fill_table() {
     table_.assign(static_cast<std::size_t>(m_) * m_, 0);
     choice_.assign(static_cast<std::size_t>(m_) * m_, 0);
     for (int l = 2; l < m_; ++l)
       for (int i = 0; i < m_; ++i) {
-        const int j = (i + l) % m_;
-        const double ahead = table(i + 1, l - 1) + triangle_cost(i, (i + 1) % m_, j);
-        const double behind = table(i, l - 1) + triangle_cost(i, (j + m_ - 1) % m_, j);
+        const int j = wrapped(i + l);
+        const double ahead = table(wrapped(i + 1), l - 1) + triangle(i, j);
+        const double behind = table(i, l - 1) + triangle(wrapped(j + m_ - 1), i);
         table(i, l) = std::min(ahead, behind);
         choice(i, l) = behind < ahead;
       }
@@ -140,12 +153,12 @@ class StripSearch {
   // Triangles of table(i, l) from the chord inwards.
   void unroll(int i, int l, std::vector<std::array<int, 3>>& out) {
     while (l >= 2) {
-      const int j = (i + l) % m_;
+      const int j = wrapped(i + l);
       if (choice(i, l)) {
-        out.push_back({i, (j + m_ - 1) % m_, j});
+        out.push_back({i, wrapped(j + m_ - 1), j});
       } else {
-        out.push_back({i, (i + 1) % m_, j});
-        i = (i + 1) % m_;
+        out.push_back({i, wrapped(i + 1), j});
+        i = wrapped(i + 1);
       }
       --l;
     }
@@ -157,14 +170,14 @@ class StripSearch {
     if (m_ == 3) best = table(0, 2);
     for (int i = 0; i < m_; ++i)
       for (int l = 2; l <= m_ - 2; ++l) {
-        const double c = table(i, l) + table(i + l, m_ - l);
+        const double c = table(i, l) + table(wrapped(i + l), m_ - l);
         if (c < best) best = c, best_i = i, best_l = l;
       }
     set.cost = best;
     set.found = best < kForbidden;
     std::vector<std::array<int, 3>> head, tail;
     unroll(best_i, best_l, head);
-    if (m_ > 3) unroll((best_i + best_l) % m_, m_ - best_l, tail);
+    if (m_ > 3) unroll(wrapped(best_i + best_l), m_ - best_l, tail);
     set.triangles.assign(head.rbegin(), head.rend());
     set.triangles.insert(set.triangles.end(), tail.begin(), tail.end());
     list_chords(set);
@@ -199,7 +212,7 @@ class StripSearch {
   int m_;
   double total_area_ = 0;
   std::vector<ChordScore> scores_;
-  std::vector<double> table_;
+  std::vector<double> triangle_, table_;
   std::vector<char> choice_;
 };
 

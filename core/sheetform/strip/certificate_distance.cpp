@@ -26,7 +26,7 @@ constexpr double kSettled = 0.6;
 // Samples each way that often show that all is not within the limit; once a place so far beyond it is known,
 // the others need not all be found.
 constexpr int kGlances = 4000;
-constexpr double kFarBeyond = 1.3;
+constexpr double kFarBeyond = 1.04;
 
 Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>& t, const Vector3& p) {
   Eigen::Matrix<double, 3, 2> sides;
@@ -92,10 +92,10 @@ DistanceReport measure_distance(const std::vector<Vector3>& points,
   context.checkpoint();
   const auto measure = [&](OneWayDistance& way, const Surface& from) {
     const double mean = way.measure(certificate::area_samples(from.points, from.faces, samples));
-    way.search(all_of(from.faces), {.finest = kFinest * tree.diagonal(),
-                                    .settled = promised,
-                                    .splits = kCertificateSplits,
-                                    .few_splits = kFewSplits});
+    way.find_largest({.finest = kFinest * tree.diagonal(),
+                      .settled = promised,
+                      .splits = kCertificateSplits,
+                      .few_splits = kFewSplits});
     return mean;
   };
   OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
@@ -128,7 +128,7 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   parallel_for(context, 2, [&](int i) {
     const std::vector<int> faces =
         i == 0 ? far_faces(tree, result_tree, limit, context) : all_of(strips.faces);
-    (i == 0 ? to : back).search(faces, {.limit = limit, .splits = splits});
+    (i == 0 ? to : back).find_beyond(faces, limit, splits);
   });
   return report_of(result, strips, to, back, limit);
 }

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <queue>
+#include <utility>
 
 namespace sheetform::certificate {
 namespace {
 
 // Pieces that are split at once: more than threads need, few enough that all are near the top of the queue.
 constexpr std::size_t kAtOnce = 512;
+// Faces that are searched one after another for places beyond a limit.
+constexpr int kTogether = 32;
 // In a face where a place beyond the limit is known, one is only looked for that is worse by this share of
 // the limit, and by more where that place is far beyond it.
 constexpr double kWorse = 1e-3, kMuchWorse = 0.1, kFarBeyond = 1.05;
@@ -50,6 +55,13 @@ struct OneWayDistance::Piece {
   bool operator<(const Piece& other) const {
     return bound != other.bound ? bound < other.bound : order > other.order;
   }
+};
+
+// What was found where a piece was split.
+struct OneWayDistance::Probe {
+  Vector3 point;
+  int face = -1;
+  ClosestPoint hit;
 };
 
 OneWayDistance::OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree,
@@ -134,21 +146,35 @@ double OneWayDistance::bound_of(const Piece& piece) const {
   return bound;
 }
 
-std::array<OneWayDistance::Piece, 2> OneWayDistance::halves(const Piece& piece, int side,
-                                                            const Vector3& middle, const Hit& hit) const {
-  std::array<Piece, 2> out{piece, piece};
-  for (int i = 0; i < 2; ++i) {
-    out[i].corners[(side + i) % 3] = middle;
-    out[i].hits[(side + i) % 3] = hit;
-    out[i].bound = bound_of(out[i]);
-  }
-  return out;
+OneWayDistance::Piece OneWayDistance::whole_face(int face, const std::vector<Hit>& vertices) const {
+  const auto& t = from_.faces[face];
+  Piece piece;
+  for (int k = 0; k < 3; ++k) piece.corners[k] = from_.points[t[k]], piece.hits[k] = vertices[t[k]];
+  piece.face = face, piece.bound = bound_of(piece);
+  return piece;
 }
 
-// A queue that only takes pieces that may matter, and tells what the others are bounded by.
+// Splits the longest side of the piece in the middle.
+OneWayDistance::Probe OneWayDistance::split(const Piece& piece, std::array<Piece, 2>& halves) const {
+  const int side = longest_side(piece.corners);
+  Probe probe;
+  probe.point = (piece.corners[side] + piece.corners[(side + 1) % 3]) / 2;
+  probe.face = piece.face;
+  probe.hit = closest(probe.point);
+  halves = {piece, piece};
+  for (int i = 0; i < 2; ++i) {
+    halves[i].corners[(side + i) % 3] = probe.point;
+    halves[i].hits[(side + i) % 3] = {probe.hit.face, std::sqrt(probe.hit.squared_distance)};
+    halves[i].bound = bound_of(halves[i]);
+  }
+  return probe;
+}
+
+// A queue that only takes pieces that may matter, and tells what the others are bounded by. known: by face,
+// what a piece has to reach beyond.
 class OneWayDistance::Open {
  public:
-  Open(const OneWayDistance& way, const Goal& goal) : way_(way), limit_(goal.limit), finest_(goal.finest) {}
+  explicit Open(std::function<double(int)> known) : known_(std::move(known)) {}
   void push(Piece piece) {
     piece.order = made_++;
     if (matters(piece)) queue_.push(piece);
@@ -163,30 +189,22 @@ class OneWayDistance::Open {
 
  private:
   bool matters(const Piece& piece) {
-    const double here = way_.from_face.at(piece.face);
-    const double worse = here > kFarBeyond * limit_ ? kMuchWorse : kWorse;
-    const double known = limit_ <= 0 ? way_.max + finest_ : here > limit_ ? here + worse * limit_ : limit_;
-    if (piece.bound > known) return true;
+    if (piece.bound > known_(piece.face)) return true;
     left_ = std::max(left_, piece.bound);
     return false;
   }
-  const OneWayDistance& way_;
-  double limit_, finest_;
+  std::function<double(int)> known_;
   std::priority_queue<Piece> queue_;
   std::int64_t made_ = 0;
   double left_ = 0;
 };
 
-void OneWayDistance::search(const std::vector<int>& faces, const Goal& goal) {
-  const std::vector<Hit> known = vertex_hits(faces);
-  Open open(*this, goal);
-  for (int f : faces) {
-    const auto& t = from_.faces[f];
-    Piece piece;
-    for (int k = 0; k < 3; ++k) piece.corners[k] = from_.points[t[k]], piece.hits[k] = known[t[k]];
-    piece.face = f, piece.bound = bound_of(piece);
-    open.push(piece);
-  }
+void OneWayDistance::find_largest(const Goal& goal) {
+  std::vector<int> faces(from_.faces.size());
+  std::iota(faces.begin(), faces.end(), 0);
+  const std::vector<Hit> vertices = vertex_hits(faces);
+  Open open([this, finest = goal.finest](int) { return max + finest; });
+  for (int f : faces) open.push(whole_face(f, vertices));
   for (int done = 0; done < goal.splits;) {
     context_.checkpoint();
     if (done >= goal.few_splits && open.bound() <= goal.settled) break;
@@ -194,20 +212,56 @@ void OneWayDistance::search(const std::vector<int>& faces, const Goal& goal) {
     const int n = static_cast<int>(now.size());
     if (n == 0) break;
     done += n;
-    std::vector<Vector3> middles(now.size());
-    std::vector<ClosestPoint> hits(now.size());
+    std::vector<Probe> probes(now.size());
     std::vector<std::array<Piece, 2>> pairs(now.size());
-    parallel_for(context_, n, [&](int i) {
-      const int k = longest_side(now[i].corners);
-      middles[i] = (now[i].corners[k] + now[i].corners[(k + 1) % 3]) / 2;
-      hits[i] = closest(middles[i]);
-      pairs[i] = halves(now[i], k, middles[i], {hits[i].face, std::sqrt(hits[i].squared_distance)});
-    });
-    for (int i = 0; i < n; ++i) keep(middles[i], now[i].face, hits[i]);
+    parallel_for(context_, n, [&](int i) { probes[i] = split(now[i], pairs[i]); });
+    for (const Probe& p : probes) keep(p.point, p.face, p.hit);
     for (const auto& pair : pairs)
       for (const Piece& half : pair) open.push(half);
   }
   at_most = std::max(max, open.bound());
+}
+
+void OneWayDistance::find_beyond(const std::vector<int>& faces, double limit, int splits) {
+  const std::vector<Hit> vertices = vertex_hits(faces);
+  const int n = static_cast<int>(faces.size()), groups = (n + kTogether - 1) / kTogether;
+  std::vector<std::vector<Probe>> found(groups);
+  parallel_for(context_, groups, [&](int g) {
+    context_.checkpoint();
+    const int first = g * kTogether, count = std::min(kTogether, n - first);
+    const auto share = static_cast<int>(static_cast<std::int64_t>(splits) * count / n) + 1;
+    found[g] = probes_beyond(&faces[first], count, vertices, limit, share);
+  });
+  for (const auto& probes : found)
+    for (const Probe& p : probes) keep(p.point, p.face, p.hit);
+}
+
+// The splits of these faces, which ascend, one after another.
+std::vector<OneWayDistance::Probe> OneWayDistance::probes_beyond(const int* faces, int count,
+                                                                 const std::vector<Hit>& vertices,
+                                                                 double limit, int splits) const {
+  std::vector<double> largest(count);
+  const auto here = [&](int face) -> double& {
+    return largest[std::lower_bound(faces, faces + count, face) - faces];
+  };
+  Open open([&](int face) {
+    const double so_far = here(face), worse = so_far > kFarBeyond * limit ? kMuchWorse : kWorse;
+    return so_far > limit ? so_far + worse * limit : limit;
+  });
+  for (int i = 0; i < count; ++i) {
+    largest[i] = from_face.at(faces[i]);
+    open.push(whole_face(faces[i], vertices));
+  }
+  std::vector<Probe> probes;
+  while (static_cast<int>(probes.size()) < splits) {
+    const std::vector<Piece> now = open.pop(1);
+    if (now.empty()) break;
+    std::array<Piece, 2> halves;
+    const Probe& probe = probes.emplace_back(split(now[0], halves));
+    here(probe.face) = std::max(here(probe.face), std::sqrt(probe.hit.squared_distance));
+    for (const Piece& half : halves) open.push(half);
+  }
+  return probes;
 }
 
 }  // namespace sheetform::certificate

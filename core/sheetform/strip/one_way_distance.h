@@ -32,7 +32,8 @@ class Farthest {
   std::vector<Place> places_;
 };
 
-/// Distances from one surface to another, one way. All it is given must outlive it.
+/// Distances from one surface to another, one way. All it is given must outlive it. Results do not depend on
+/// the number of threads.
 class OneWayDistance {
  public:
   /// tree: of the faces of `to`. enough: what is known to be nearer is not measured exactly.
@@ -43,35 +44,41 @@ class OneWayDistance {
   double measure(const std::vector<AreaSample>& samples);
 
   struct Goal {
-    double limit = 0;    ///< 0: the largest distance; otherwise the places beyond this one
-    double finest = 0;   ///< without limit: by how much a larger distance may be missed
-    double settled = 0;  ///< without limit: once none is larger than this, few_splits do
+    double finest = 0;   ///< by how much a larger distance may be missed
+    double settled = 0;  ///< once none is larger than this, few_splits do
     int splits = 0, few_splits = 0;
   };
-  /// Branch and bound: splits parts of `faces` that may reach farther than is known, the most promising
-  /// first. With a limit, each face's worst place beyond it is found to a thousandth of the limit (a tenth,
-  /// where it is far beyond). Results do not depend on the number of threads. Cost: a query for each vertex
-  /// and split.
-  void search(const std::vector<int>& faces, const Goal& goal);
+  /// Branch and bound for the largest distance: splits parts of the surface that may reach farther than is
+  /// known, the most promising first. Cost: a query for each vertex and split.
+  void find_largest(const Goal& goal);
+
+  /// The same for places beyond a limit, over `faces` in ascending order: the worst place beyond it of each
+  /// face is found to a thousandth of the limit (a tenth, where it is far beyond). At most about so many
+  /// splits in all.
+  void find_beyond(const std::vector<int>& faces, double limit, int splits);
 
   double max = 0;      ///< largest distance found
-  double at_most = 0;  ///< after search(): no point of its faces is farther
+  double at_most = 0;  ///< after find_largest(): no point is farther
   Vector3 worst = Vector3::Zero();
   Farthest from_face, to_face;
 
  private:
-  struct Piece;
-  class Open;
   struct Hit {
     int face = -1;  // of the other surface
     double distance = 0;
   };
+  struct Piece;
+  struct Probe;
+  class Open;
   ClosestPoint closest(const Vector3& point) const;
   void keep(const Vector3& point, int face, const ClosestPoint& hit);
   std::vector<Hit> hits_of(const std::vector<AreaSample>& samples);
   std::vector<Hit> vertex_hits(const std::vector<int>& faces);
+  Piece whole_face(int face, const std::vector<Hit>& vertices) const;
   double bound_of(const Piece& piece) const;
-  std::array<Piece, 2> halves(const Piece& piece, int side, const Vector3& middle, const Hit& hit) const;
+  Probe split(const Piece& piece, std::array<Piece, 2>& halves) const;
+  std::vector<Probe> probes_beyond(const int* faces, int count, const std::vector<Hit>& vertices,
+                                   double limit, int splits) const;
 
   const Surface &from_, &to_;
   const ClosestPointTree& tree_;
