@@ -66,6 +66,7 @@ class StripSearch {
     if (forbidden_ != nullptr && (*forbidden_)(i, j)) return never;
     const Vector2 a = polygon_.uv[i], b = polygon_.uv[j], direction = b - a;
     const Vector3 &p = polygon_.point[i], &q = polygon_.point[j];
+    const Vector2 along = direction / std::max(direction.norm(), 1e-150);
     std::array<Vector3, kSamples> d;
     double misaligned = 0;
     int first = -1, last = -1;
@@ -79,7 +80,7 @@ class StripSearch {
         continue;
       }
       d[k] = raster_.lift(triangle, u) - ((1 - t) * p + t * q);
-      misaligned += raster_.misalignment(triangle, direction);
+      misaligned += raster_.misalignment(triangle, along);
       if (first < 0) first = triangle;
       last = triangle;
     }
@@ -320,34 +321,23 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
     map.uv = chart.uv[t[0]];
     map.origin = mesh.points[face[0]];
     map.normal = guide.normal[patch.faces[i]];
-    Eigen::Matrix2d flat;
-    flat << chart.uv[t[1]] - map.uv, chart.uv[t[2]] - map.uv;
-    Eigen::Matrix<double, 3, 2> space;
-    space << mesh.points[face[1]] - map.origin, mesh.points[face[2]] - map.origin;
-    const double det = flat.determinant();
+    const Vector2 b = chart.uv[t[1]] - map.uv, c = chart.uv[t[2]] - map.uv;
+    const Vector3 ab = mesh.points[face[1]] - map.origin, ac = mesh.points[face[2]] - map.origin;
+    const double det = cross(b, c);
     map.jacobian.setZero();
     map.ruling.setZero();
     map.strength = guide.strength[patch.faces[i]];
     if (det <= 1e-16) continue;
-    map.jacobian = space * flat.inverse();
+    map.jacobian.col(0) = (c.y() * ab - b.y() * ac) / det;
+    map.jacobian.col(1) = (b.x() * ac - c.x() * ab) / det;
+    // The direction as a sum of both sides, up to a positive factor.
     const Vector3& d = guide.ruling_direction[patch.faces[i]];
-    const Eigen::Matrix2d gram = map.jacobian.transpose() * map.jacobian;
-    const Vector2 r = gram.inverse() * (map.jacobian.transpose() * d);
-    const double squared = r.squaredNorm();
-    if (squared > 1e-16 && std::isfinite(squared)) map.ruling = r / std::sqrt(squared);
-    // Mark the cells whose centre the triangle covers.
-    const Vector2 a = map.uv, b = chart.uv[t[1]], c = chart.uv[t[2]];
-    const Vector2 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
-    const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) * per_cell_ - 0.5)),
-              x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) * per_cell_ + 0.5));
-    const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) * per_cell_ - 0.5)),
-              y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) * per_cell_ + 0.5));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
-        const Vector2 p = low_ + cell_ * Vector2(x + 0.5, y + 0.5);
-        if (cross(b - a, p - a) < 0 || cross(c - b, p - b) < 0 || cross(a - c, p - c) < 0) continue;
-        cells_[static_cast<std::size_t>(y) * columns_ + x] = static_cast<int>(i);
-      }
+    const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), db = d.dot(ab),
+                 dc = d.dot(ac);
+    const Vector2 r = (cc * db - bc * dc) * b + (bb * dc - bc * db) * c;
+    const double length = r.norm();
+    if (length > 1e-8 * (bb * cc - bc * bc) && std::isfinite(length)) map.ruling = r / length;
+    mark(static_cast<int>(i), map.uv, map.uv + b, map.uv + c);
   }
   // One ring outwards: chords that run along the outline stay answerable.
   const std::vector<int> inside = cells_;
@@ -363,22 +353,20 @@ ChartRaster::ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, con
     }
 }
 
-int ChartRaster::cell_of(const Vector2& u) const {
-  const int x = static_cast<int>((u.x() - low_.x()) * per_cell_),
-            y = static_cast<int>((u.y() - low_.y()) * per_cell_);
-  if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return -1;
-  return y * columns_ + x;
-}
-
-int ChartRaster::triangle_at(const Vector2& u) const {
-  const int c = cell_of(u);
-  return c < 0 ? -1 : cells_[c];
-}
-
-double ChartRaster::misalignment(int triangle, const Vector2& direction) const {
-  const Map& map = maps_[triangle];
-  const double s = cross(map.ruling, direction);
-  return map.strength * s * s / std::max(direction.squaredNorm(), 1e-300);
+// Marks the cells whose centre the triangle covers.
+void ChartRaster::mark(int triangle, const Vector2& a, const Vector2& b, const Vector2& c) {
+  const Vector2 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
+  const int x0 = std::max(0, static_cast<int>((lo.x() - low_.x()) * per_cell_ - 0.5)),
+            x1 = std::min(columns_ - 1, static_cast<int>((hi.x() - low_.x()) * per_cell_ + 0.5));
+  const int y0 = std::max(0, static_cast<int>((lo.y() - low_.y()) * per_cell_ - 0.5)),
+            y1 = std::min(rows_ - 1, static_cast<int>((hi.y() - low_.y()) * per_cell_ + 0.5));
+  const Vector2 ab = b - a, bc = c - b, ca = a - c;
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x) {
+      const Vector2 p = low_ + cell_ * Vector2(x + 0.5, y + 0.5);
+      if (cross(ab, p - a) >= 0 && cross(bc, p - b) >= 0 && cross(ca, p - c) >= 0)
+        cells_[static_cast<std::size_t>(y) * columns_ + x] = triangle;
+    }
 }
 
 RulingSet best_rulings(const PatchPolygon& polygon, const ChartRaster& raster, const RulingParams& params,

@@ -51,19 +51,31 @@ class ChartRaster {
   ChartRaster(const SurfaceMesh& mesh, const SurfaceGuide& guide, const Patch& patch, const PatchChart& chart,
               int cells);
   /// Local triangle under or near u, -1 when u is off the patch by more than about a cell.
-  int triangle_at(const Vector2& u) const;
+  int triangle_at(const Vector2& u) const {
+    const int cell = cell_of(u);
+    return cell < 0 ? -1 : cells_[cell];
+  }
   Vector3 lift(int triangle, const Vector2& u) const {
     return maps_[triangle].origin + maps_[triangle].jacobian * (u - maps_[triangle].uv);
   }
   const Vector3& normal(int triangle) const { return maps_[triangle].normal; }
-  /// sin^2 of the angle between a flat direction and that of least curvature, times its strength.
-  double misalignment(int triangle, const Vector2& direction) const;
+  /// sin^2 of the angle between a flat direction (unit) and that of least curvature, times its strength.
+  double misalignment(int triangle, const Vector2& direction) const {
+    const Map& map = maps_[triangle];
+    const double sine = map.ruling.x() * direction.y() - map.ruling.y() * direction.x();
+    return map.strength * sine * sine;
+  }
   double cell() const { return cell_; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  int cell_of(const Vector2& u) const;
+  int cell_of(const Vector2& u) const {
+    const int x = static_cast<int>((u.x() - low_.x()) * per_cell_),
+              y = static_cast<int>((u.y() - low_.y()) * per_cell_);
+    return x < 0 || y < 0 || x >= columns_ || y >= rows_ ? -1 : y * columns_ + x;
+  }
 
  private:
+  void mark(int triangle, const Vector2& a, const Vector2& b, const Vector2& c);
   struct Map {
     Vector2 uv;
     Vector3 origin, normal;

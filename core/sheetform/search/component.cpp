@@ -453,12 +453,14 @@ class ComponentRun {
       return attempt;
     }
     attempt.strips = assemble_strips(attempt.finished.source);
-    const auto is_invalid = [&](int p) {
-      return std::binary_search(failing.begin(), failing.end(), p) ||
-             !check_patch(attempt.strips, p, 1.0).empty();
-    };
-    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (is_invalid(p)) attempt.invalid.push_back(p);
+    const auto parts = static_cast<int>(attempt.strips.patches.size());
+    std::vector<char> is_invalid(parts, 0);
+    parallel_for(context_, parts, [&](int p) {
+      is_invalid[p] = std::binary_search(failing.begin(), failing.end(), p) ||
+                      !check_patch(attempt.strips, p, 1.0).empty();
+    });
+    for (int p = 0; p < parts; ++p)
+      if (is_invalid[p]) attempt.invalid.push_back(p);
     DistanceReport d = find_far(input_.reference, tree_, attempt.strips,
                                 params_.margin * params_.evaluation.e_max, context_);
     attempt.distance = d.hausdorff();

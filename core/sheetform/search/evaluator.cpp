@@ -93,10 +93,11 @@ std::vector<int> strip_cells(const ChartRaster& raster, const PatchPolygon& poly
     const Vector2 &a = polygon.uv[v[0]], &b = polygon.uv[v[1]], &c = polygon.uv[v[2]];
     const int n = std::max(steps(b - a), steps(c - a)), most = steps(c - b);
     for (int i = 0; i <= n; ++i) {
-      const Vector2 from = a + (b - a) * i / n, across = (c - b) * i / n;
+      const double part = static_cast<double>(i) / n;
       const int m = 1 + i * most / n;
+      const Vector2 from = a + (b - a) * part, across = (c - b) * (part / m);
       for (int j = 0; j <= m; ++j) {
-        const int cell = raster.cell_of(from + across * j / m);
+        const int cell = raster.cell_of(from + across * j);
         if (cell >= 0 && cells[cell] < 0) cells[cell] = static_cast<int>(t);
       }
     }
@@ -517,9 +518,7 @@ LayoutEvaluation LayoutEvaluator::solve(const PatchLayout& layout,
 
 LayoutEvaluation LayoutEvaluator::solve_region(const PatchLayout& region, const ArchPlaces& places,
                                                int rounds) {
-  std::vector<std::shared_ptr<const PatchEvaluation>> evaluations(region.patches.size());
-  for (std::size_t p = 0; p < evaluations.size(); ++p) evaluations[p] = patch(region, static_cast<int>(p));
-  return morph_patches(region, std::move(evaluations), places, rounds, {});
+  return morph_patches(region, patches(region), places, rounds, {});
 }
 
 LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,

@@ -1,6 +1,7 @@
 #include "sheetform/search/layout_search.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -280,9 +281,15 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
   fit.patches = static_cast<int>(region.patches.size());
   for (const Patch& p : region.patches)
     if (p.defect != TopologyDefect::kNone) return std::nullopt;
-  for (int p = 0; p < fit.patches; ++p) {
-    const auto e = evaluator_->patch(region, p);
-    if (!e->viable()) return std::nullopt;
+  std::vector<std::shared_ptr<const PatchEvaluation>> patches(region.patches.size());
+  std::atomic<bool> viable{true};
+  parallel_for(context_, fit.patches, [&](int p) {
+    if (!viable) return;
+    patches[p] = evaluator_->patch(region, p);
+    if (!patches[p]->viable()) viable = false;
+  });
+  if (!viable) return std::nullopt;
+  for (const auto& e : patches) {
     fit.error = std::max(fit.error, e->error / params_.evaluation.e_max);
     fit.sides = std::max(fit.sides, static_cast<int>(e->corners.size()));
     fit.misalignment = std::max(fit.misalignment, e->rulings.misalignment);

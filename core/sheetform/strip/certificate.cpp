@@ -1,6 +1,8 @@
 #include "sheetform/strip/certificate.h"
 
 #include <algorithm>
+#include <array>
+#include <functional>
 
 #include "sheetform/strip/certificate_checks.h"
 
@@ -97,14 +99,20 @@ Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, cons
                                    ? ClosestPointTree(repaired->points, repaired->faces, context)
                                    : ClosestPointTree();
   const ClosestPointTree& repaired_tree = repaired && !welded_only ? own : tree;
-  c.defects =
-      structure(result, repaired, repaired_tree, max_sides, diagonal_of(input), &c.isometry_error, context);
-  if (std::any_of(c.defects.begin(), c.defects.end(), [](const Defect& d) { return d.check == "S1"; }))
-    return c;
-  c.distance = measure_distance(points, faces, tree, result, samples, context, promised);
-  c.normals =
-      repaired ? measure_normals(repaired->points, repaired->faces, repaired_tree, result, samples, context)
-               : measure_normals(points, faces, tree, result, samples, context);
+  c.defects = check_indices(result);
+  if (!c.defects.empty()) return c;  // nothing else may be asked
+  const std::array<std::function<void()>, 3> parts{
+      [&] { c.distance = measure_distance(points, faces, tree, result, samples, context, promised); },
+      [&] {
+        c.defects = structure(result, repaired, repaired_tree, max_sides, diagonal_of(input),
+                              &c.isometry_error, context);
+      },
+      [&] {
+        c.normals = repaired ? measure_normals(repaired->points, repaired->faces, repaired_tree, result,
+                                               samples, context)
+                             : measure_normals(points, faces, tree, result, samples, context);
+      }};
+  parallel_for(context, static_cast<int>(parts.size()), [&](int i) { parts[i](); });
   return c;
 }
 
