@@ -66,7 +66,7 @@ TEST(ChartRaster, MisalignmentIsTheSquaredSineToTheAxis) {
     if (std::abs(p.z() - 0.75) < 1e-9) w = static_cast<int>(i);
   }
   ASSERT_TRUE(v >= 0 && w >= 0);
-  const Vector2 axis = o.chart.uv[w] - o.chart.uv[v], across(-axis.y(), axis.x());
+  const Vector2 axis = (o.chart.uv[w] - o.chart.uv[v]).normalized(), across(-axis.y(), axis.x());
   const int t = raster.triangle_at((o.chart.uv[v] + o.chart.uv[w]) / 2);
   for (double angle = 0; angle < 3.2; angle += 0.2) {
     const double s = std::sin(angle);
