@@ -29,6 +29,7 @@ LayoutSearch::LayoutSearch(const LayoutSearch& of, RunContext& context)
       layout_(of.layout_),
       layout_valid_(of.layout_valid_),
       merge_values_(of.merge_values_),
+      hopeless_(of.hopeless_),
       places_(of.places_),
       lost_(of.lost_) {}
 

@@ -274,8 +274,8 @@ std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
 }
 
 // What the region becomes under another network, when all of its patches are viable alone.
-std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
-                                                     const std::vector<int>& faces) {
+std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces,
+                                                     double* excess) {
   const PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
   RegionFit fit;
   fit.patches = static_cast<int>(region.patches.size());
@@ -288,6 +288,8 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial,
     patches[p] = evaluator_->patch(region, p);
     if (!patches[p]->viable()) viable = false;
   });
+  if (!viable && excess != nullptr && fit.patches == 1 && patches[0]->verdict == PatchVerdict::kError)
+    *excess = patches[0]->error / params_.evaluation.e_max;
   if (!viable) return std::nullopt;
   for (const auto& e : patches) {
     fit.error = std::max(fit.error, e->error / params_.evaluation.e_max);

@@ -105,7 +105,9 @@ class LayoutSearch {
   bool try_remove(const std::vector<int>& edges, bool leaves_dart = false);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
-  std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces);
+  /// excess: where the region is one patch that is too far off, its error relative to e_max.
+  std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
+                                         double* excess = nullptr);
   bool region_fits(const std::vector<int>& faces);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
@@ -154,7 +156,8 @@ class LayoutSearch {
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges, int tip = -1) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
-  double merge_value(const Removal& removal);
+  double merge_value(const Removal& removal, std::vector<int>& hopeless);
+  bool covers_hopeless(const std::vector<int>& patches) const;
   bool too_round(const std::vector<int>& beside, double inner_length) const;
   bool may_go(const Arch& arch) const;
   std::vector<Removal> whole_arches(const PatchLayout& now) const;
@@ -181,8 +184,10 @@ class LayoutSearch {
   LayoutEvaluation evaluation_;
   bool layout_valid_ = false, evaluation_valid_ = false;
   std::unordered_map<std::uint64_t, double>
-      merge_values_;   ///< by arch and patches beside it; negative = not viable
-  ArchPlaces places_;  ///< after the last morphs
+      merge_values_;  ///< by arch and patches beside it; negative = not viable
+  using Faces = std::shared_ptr<const std::vector<int>>;
+  std::vector<Faces> hopeless_;  ///< what is far from being one patch; not after smoothing
+  ArchPlaces places_;            ///< after the last morphs
   std::unordered_set<std::uint64_t>
       lost_;  ///< patches without strips, by key: not for a removal to blame for
 };

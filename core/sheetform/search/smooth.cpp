@@ -37,7 +37,7 @@ SmoothParams LayoutSearch::smooth_params(double cutoff) const {
 }
 
 void LayoutSearch::smooth(double cutoff) {
-  places_.clear();
+  places_.clear(), hopeless_.clear();
   std::vector<char> path_edge(surface_.mesh.edges.size(), 0), fixed(surface_.mesh.points.size(), 0);
   const PathNetwork& net = network_.network();
   for (int e = 0; e < surface_.mesh.edge_count(); ++e) {
