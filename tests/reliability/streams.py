@@ -106,7 +106,7 @@ def many_streams(figures, long, rng):
     count = 190 if long else 30
     with Server("--slots", "1", "--quiet") as server:
         memory = server.memory()
-        job_id = server.submit(name="work-9000.obj" if long else "work-3000.obj")["jobID"]
+        job_id = server.submit(name="work-9000.obj" if long else "work-6000.obj")["jobID"]
         told, peak, times = [], [], []
         crowd = threading.Thread(target=lambda: told.extend(
             in_threads(count, lambda i: stream(server, f"/api/v1/jobs/{job_id}/events"))))
@@ -144,7 +144,7 @@ def many_cut_streams(figures, long, rng):
     with Server("--slots", "1", "--quiet") as server:
         server.get("/healthz")
         memory = server.memory()
-        job_id = server.submit(name="work-6000.obj" if long else "work-3000.obj")["jobID"]
+        job_id = server.submit(name="work-6000.obj")["jobID"]
         told = []
         crowd = threading.Thread(target=lambda: told.extend(in_threads(count, lambda i: follow(server, job_id, 120))))
         crowd.start()

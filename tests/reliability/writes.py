@@ -112,7 +112,7 @@ class HalfAnUpload:
                 s.sendall(self.rest)
             except (BrokenPipeError, ConnectionResetError):
                 pass  # answered before all was sent
-            return int(s.recv(4096).split()[1])
+            return int(s.makefile("rb").readline().split()[1])
 
 
 def while_full(server, old, seconds):
@@ -137,7 +137,7 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     until_idle(server, 60)
     count, path = 300 if long else 60, f"/api/v1/jobs/{old}"
     before = latencies(server.port, path, count)
-    running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
+    running = [server.submit(name="work-4000.obj")["jobID"] for _ in range(2)]  # they end while the disk is full
     waiting = [server.submit()["jobID"] for _ in range(3)]
     for job_id in running:
         server.wait(job_id, until=("running",))
@@ -146,7 +146,7 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     fill()
     expect(upload.status() == 507, "an upload that finds no more room is not told so")
     full = latencies(server.port, path, count)
-    refused = while_full(server, old, 120 if long else 4)
+    refused = while_full(server, old, 120 if long else 5)
     server.until("no unfinished upload is left", lambda: not os.listdir(data + "/spool"))
     states = {server.job(i)["status"] for i in running + waiting}
     expect(states <= {"accepted", "running"}, f"jobs ended on a full disk: {states}")
