@@ -2,6 +2,7 @@
 import contextlib
 import os
 import random
+import re
 import signal
 import tempfile
 import threading
@@ -190,6 +191,25 @@ class Idempotency(ServerCase):
         self.assertEqual(len({a.json()["jobID"] for a in answers if a.status == 201}), 1)
         self.assertLessEqual({a.status for a in answers}, {201, 409})
         self.assertEqual(sum(a.status == 201 and not a.headers["Idempotency-Replayed"] for a in answers), 1)
+
+
+class Quota(ServerCase):
+    options = ("--slots", "1", "--quota", "2")
+
+    def test_the_oldest_go_as_soon_as_there_is_too_much(self):
+        stored = lambda: int(re.search(rb"\nsheetform_stored_bytes (\d+)", self.server.get("/metrics").body).group(1))
+        jobs, meshes = [], [unique_mesh() + b"# " + os.urandom(300_000).hex().encode() + b"\n" for _ in range(4)]
+        for mesh in meshes:
+            jobs.append(self.server.submit(mesh)["jobID"])
+            self.server.wait(jobs[-1])
+        self.server.until("the quota is kept", lambda: stored() <= 2 << 20)
+        kept = [self.server.get(f"/api/v1/jobs/{job}").status for job in jobs]
+        self.assertEqual((kept[0], kept[-1]), (404, 200))
+        self.assertEqual(kept, sorted(kept, reverse=True))
+        self.assertEqual(self.server.get(f"/api/v1/jobs/{jobs[-1]}/input").body, meshes[-1])
+        self.assertEqual(self.server.get(f"/api/v1/jobs/{jobs[-1]}/results/big.bin").body[-3:], b"end")
+        files = lambda: sum(len(names) for _, _, names in os.walk(self.server.data + "/blobs/in"))
+        self.server.until("the uploads have gone with their jobs", lambda: files() == kept.count(200))
 
 
 class DiskFull(ServerCase):
