@@ -168,6 +168,12 @@ void publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
   parts.jobs.succeed(claimed, outputs, api::dump(report), summary_of(report));
 }
 
+/// When a job that waits again may run. One that was interrupted keeps its place in the line: it is not its
+/// fault.
+Microseconds next_start(const ClaimedJob& claimed, const Verdict& verdict) {
+  return verdict.counted_as == Requeue::kInterruption ? claimed.job.run_after : now_us() + verdict.delay;
+}
+
 void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& verdict) {
   const std::string id = claimed.job.id;
   switch (verdict.action) {
@@ -176,7 +182,7 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
                       verdict.counted_as);
       break;
     case Verdict::Action::kRequeue:
-      parts.jobs.requeue(claimed, verdict.counted_as, now_us() + verdict.delay,
+      parts.jobs.requeue(claimed, verdict.counted_as, next_start(claimed, verdict),
                          "waiting again: " + verdict.problem.detail);
       break;
     case Verdict::Action::kPublish:

@@ -14,11 +14,10 @@ import tempfile
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, integrity, latencies, percentile, trial,
-                    unique_mesh, until_idle)
+from trials import (EXECUTION, STORE_LOAD, FaultyServer, Server, Skip, all_jobs, arc, expect, fill_queue, in_processes, in_threads, integrity,
+                    latencies, percentile, trial, unique_mesh, until_idle)
 
 
-STORE_LOAD = os.environ.get("STORE_LOAD", "")
 DRAIN_ALL = False  # reliability.py --drain
 
 
@@ -78,14 +77,7 @@ def long_queue(figures, long, rng):
     with Server("--slots", "1", "--quiet") as server:
         blocker = server.submit(name="work-800000.obj")["jobID"]
         server.wait(blocker, until=("running",))
-
-        def send(i):
-            for _ in range(count // clients):
-                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
-                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
-        begun = time.monotonic()
-        in_threads(clients, send)
-        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=300)
+        figures.bar("accepted_per_second", fill_queue(server, count, clients), least=300)
         figures.put(queued=count)
         put_latencies(figures, "list_of_100", latencies(server.port, "/api/v1/jobs?limit=100", 200 if long else 20), most=0.02)
         put_latencies(figures, "one_job", latencies(server.port, f"/api/v1/jobs/{blocker}", 200 if long else 20), most=0.05)
@@ -140,15 +132,8 @@ def slow_disk(figures, long, rng):
     count, clients, slow = (1600, 16, 10) if long else (48, 8, 10)
     with FaultyServer("--slots", "1", "--quiet", slow=slow) as server:
         server.wait(server.submit(name="work-800000.obj")["jobID"], until=("running",))
-
-        def send(i):
-            for _ in range(count // clients):
-                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
-                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
-        begun = time.monotonic()
-        in_threads(clients, send)
         # One transaction each could not take more than 100 in a second, whatever the machine.
-        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=150)
+        figures.bar("accepted_per_second", fill_queue(server, count, clients), least=150)
         expect(len(all_jobs(server)) == count + 1, "a job is missing")
 
 

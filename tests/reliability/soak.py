@@ -6,8 +6,7 @@ import subprocess
 import threading
 import time
 
-from crowds import STORE_LOAD
-from trials import EXECUTION, Server, Skip, expect, in_threads, integrity, percentile, trial, unique_mesh, until_idle, verify_results
+from trials import EXECUTION, STORE_LOAD, Server, Skip, expect, in_threads, integrity, percentile, trial, unique_mesh, until_idle, verify_results
 
 MINUTES = 15  # reliability.py --soak; its housekeeping comes every ten
 QUOTA_MIB = 64

@@ -187,8 +187,9 @@ class Drain(unittest.TestCase):
             self.assertEqual(server.stop(signal.SIGTERM), 0)
             self.assertLess(time.monotonic() - begun, 20)
             server.start()
-            self.assertEqual(server.wait(job)["status"], "successful")
-            self.assertEqual(server.wait(waiting)["status"], "successful")
+            first, second = server.wait(job), server.wait(waiting)
+            self.assertEqual((first["status"], second["status"]), ("successful", "successful"))
+            self.assertLess(first["finished"], second["finished"])  # it has kept its place in the line
 
     def test_downloads_finish_and_streams_are_told(self):
         with Server("--slots", "1", "--drain", "10") as server:
