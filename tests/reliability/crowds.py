@@ -92,7 +92,7 @@ def long_queue(figures, long, rng):
         if long and not DRAIN_ALL:
             time.sleep(20)  # all of them would take a quarter of an hour
         else:
-            until_idle(server, 60 + count)
+            until_idle(server, 300 + count)
         seconds, jobs = time.monotonic() - begun, all_jobs(server).values()
         jobs = [job for job in jobs if job["jobID"] != blocker]
         expect(len(jobs) == count, f"of {count} jobs {len(jobs)} are there")
@@ -290,7 +290,7 @@ def cancels(figures, long, rng):
             expect(server.request("DELETE", f"/api/v1/jobs/{job_id}", check=False).status == 200, "a cancel was refused")
             while server.children():
                 time.sleep(0.005)
-                expect(time.monotonic() - begun < 20, "a cancelled process does not end")
+                expect(time.monotonic() - begun < 60, "a cancelled process does not end")
             gone.append(time.monotonic() - begun)
         figures.put(cancels=len(gone), gone_median=percentile(gone, 0.5))
         figures.bar("gone_worst_seconds", max(gone), most=1)
@@ -299,7 +299,7 @@ def cancels(figures, long, rng):
         ids = [i for some in ids for i in some]
         answers = in_threads(10, lambda i: [server.request("DELETE", f"/api/v1/jobs/{j}", check=False).status for j in ids[i::10]])
         expect({s for some in answers for s in some} == {200}, "a cancel of the storm was refused")
-        until_idle(server, 60)
+        until_idle(server)
         server.until_tidy()
         expect(server.wait(server.submit()["jobID"])["status"] == "successful", "no job runs any more")
         figures.put(storm=storm)
@@ -396,7 +396,7 @@ def visitors(server, count, seconds):
         browsers = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=lambda: os.nice(5))
                     for _ in range(count)]
         threading.Thread(target=give_way, args=(browsers,), daemon=True).start()
-        told = [browser.communicate(timeout=1200) for browser in browsers]
+        told = [browser.communicate(timeout=6000) for browser in browsers]
     for browser, (_, wrong) in zip(browsers, told):
         expect(browser.returncode == 0, f"a browser failed: {wrong.decode(errors='replace')[-600:]}")
     answers = [json.loads(out) for out, _ in told]
@@ -429,7 +429,7 @@ def company(figures, long, rng):
         work = ring(400, 160) if long else ring(200, 100)  # minutes of work at this tolerance
         busy = [server.submit(work + b"# %d\n" % i, name=f"ring-{i}.obj", e_max=0.001)["jobID"] for i in range(slots)]
         for job_id in busy:
-            server.wait(job_id, timeout=120, until=("running",))
+            server.wait(job_id, timeout=600, until=("running",))
         visited = {}
 
         def script(i):

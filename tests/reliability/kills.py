@@ -56,7 +56,7 @@ class Submitters:
 
 def verify_acknowledged(server, acknowledged):
     """P1 to P4 of every acknowledged job; how many there were."""
-    until_idle(server, 60 + len(acknowledged))
+    until_idle(server, 300 + len(acknowledged))
     jobs = all_jobs(server)
     lost = [i for i in acknowledged if i not in jobs]
     expect(not lost, f"{len(lost)} acknowledged jobs are lost: {lost[:3]}")

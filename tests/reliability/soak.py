@@ -151,7 +151,7 @@ def soak(figures, long, rng):
         watch, requests = Watch(server), 0
         for _ in range(3):
             requests += visit(server, watch, MINUTES * 20, rng)
-            until_idle(server, 60)
+            until_idle(server)
             watch.count_descriptors()
         hours = watch.samples[-1][0] / 3600
         figures.put(minutes=hours * 60, requests=requests, jobs_left=len(server.request("GET", "/api/v1/jobs?limit=10000", check=False).json()["jobs"]))

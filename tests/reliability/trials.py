@@ -135,7 +135,7 @@ def all_jobs(server):
     return {job["jobID"]: job for job in jobs}
 
 
-def until_idle(server, seconds):
+def until_idle(server, seconds=300):
     """Waits until no job waits or runs."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:

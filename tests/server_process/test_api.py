@@ -31,7 +31,7 @@ class RealPipeline(ServerCase):
         self.assertEqual(job["inputs"]["mesh"]["format"], "obj")
         self.assertEqual(job["parameters"]["e_max"], 0.02)
         self.assertEqual(job["tag"], "first")
-        job = self.server.wait(job["jobID"], timeout=120)
+        job = self.server.wait(job["jobID"])
         self.assertEqual(job["status"], "successful", job)
         self.assertEqual(job["progress"], 100)
         self.assertGreaterEqual(job["report"]["patches"], 1)

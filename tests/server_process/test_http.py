@@ -242,12 +242,12 @@ class Advice(ServerCase):
 
 class Expect(ServerCase):
     def test_refusal_comes_before_the_body(self):
-        with socket.create_connection(("127.0.0.1", self.server.port), timeout=10) as s:
+        with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as s:
             s.sendall(b"POST /nothing HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\nExpect: 100-continue\r\n\r\n")
             self.assertTrue(s.makefile("rb").readline().startswith(b"HTTP/1.1 404"))
 
     def test_continue_then_answer(self):
-        with socket.create_connection(("127.0.0.1", self.server.port), timeout=10) as s:
+        with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as s:
             s.sendall(POST + b"Content-Length: %d\r\nExpect: 100-continue\r\n\r\n" % len(TRIANGLE))
             answer = s.makefile("rb")
             self.assertEqual(answer.readline() + answer.readline(), b"HTTP/1.1 100 Continue\r\n\r\n")
@@ -288,7 +288,7 @@ class Sizes(ServerCase):
 
 class Slow(ServerCase):
     def open(self, data=b""):
-        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=30)
+        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=60)
         s.sendall(data)
         self.addCleanup(s.close)
         return s

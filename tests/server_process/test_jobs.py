@@ -40,7 +40,7 @@ class Misbehaviour(ServerCase):
         good = [self.server.submit()["jobID"] for _ in range(4)]
         for way, slug, starts, job_id in jobs:
             with self.subTest(way):
-                job = self.server.wait(job_id, timeout=200)
+                job = self.server.wait(job_id)
                 self.assertEqual(job["status"], "failed", job)
                 self.assertTrue(job["exception"]["type"].endswith(slug), job["exception"])
                 self.assertTrue(job["exception"]["detail"] and job["exception"]["fix"], job["exception"])
@@ -52,7 +52,7 @@ class Misbehaviour(ServerCase):
         self.server.until_tidy()
 
     def test_crash_says_signal_and_stage(self):
-        job = self.server.wait(self.server.submit(name="segv.obj")["jobID"], timeout=60)
+        job = self.server.wait(self.server.submit(name="segv.obj")["jobID"])
         self.assertIn("signal 11", job["exception"]["detail"])
         self.assertIn("stage trace", job["exception"]["detail"])
 
@@ -100,7 +100,7 @@ class Misbehaviour(ServerCase):
         self.server.request("DELETE", f"/api/v1/jobs/{job}")
 
     def test_progress_comes_in_order(self):
-        job_id = self.server.submit(name="work-5000.obj")["jobID"]
+        job_id = self.server.submit(name="work-3000.obj")["jobID"]
         seen = []
         while True:
             job = self.server.job(job_id)

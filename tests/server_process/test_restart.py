@@ -124,12 +124,12 @@ class Restart(unittest.TestCase):
             self.skipTest("no namespaces here")
         for fake in (True, False):
             with Server(fake=fake, below=below) as server:
-                self.assertEqual(server.wait(server.submit(arc(), name="arc.obj")["jobID"], timeout=60)["status"], "successful")
+                self.assertEqual(server.wait(server.submit(arc(), name="arc.obj")["jobID"])["status"], "successful")
 
     def test_one_server_a_data_folder(self):
         with Server() as server:
             other = subprocess.run([PROGRAM, "serve", "--data", server.data, "--listen", "127.0.0.1:0"],
-                                   stderr=subprocess.PIPE, timeout=60)
+                                   stderr=subprocess.PIPE, timeout=300)
             self.assertNotEqual(other.returncode, 0)
             self.assertEqual(other.returncode, 64)
             self.assertRegex(other.stderr.splitlines()[-1], rb"^sheetform: another sheetform server uses the data folder .*; stop it")
@@ -162,7 +162,7 @@ class Restart(unittest.TestCase):
                 server = Server(data=data)
                 server.stop()
                 subprocess.run(["python3", "-c", f"import sqlite3; sqlite3.connect('{data}/sheetform.db').executescript('PRAGMA {pragma};')"], check=True)
-                again = subprocess.run([PROGRAM, "serve", "--data", data, "--listen", "127.0.0.1:0"], stderr=subprocess.PIPE, timeout=60)
+                again = subprocess.run([PROGRAM, "serve", "--data", data, "--listen", "127.0.0.1:0"], stderr=subprocess.PIPE, timeout=300)
                 self.assertNotEqual(again.returncode, 0)
                 self.assertIn(b"database", again.stderr.splitlines()[-1])
                 os.unlink(server.log.name)
@@ -305,7 +305,7 @@ class Backup(unittest.TestCase):
         with Server("--slots", "2") as server, tempfile.TemporaryDirectory() as folder:
             jobs = [server.wait(server.submit()["jobID"]) for _ in range(3)]
             queued = server.submit(name="work-3000.obj")["jobID"]
-            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
             copied = run("backup", folder + "/copy", "--data", server.data)
             self.assertEqual(copied.returncode, 0, copied.stderr)
             restored = run("restore", folder + "/copy", "--data", folder + "/data")
@@ -329,7 +329,7 @@ class Backup(unittest.TestCase):
             os.mkdir(folder + "/data", 0o770)
             os.chown(folder + "/data", 10001, 10002)
             for command in (("backup", folder + "/copy", "--data", server.data), ("restore", folder + "/copy", "--data", folder + "/data")):
-                subprocess.run([PROGRAM, *command], check=True, stdout=subprocess.DEVNULL, timeout=60)
+                subprocess.run([PROGRAM, *command], check=True, stdout=subprocess.DEVNULL, timeout=300)
             found = [os.path.join(f, name) for f, folders, files in os.walk(folder + "/data") for name in folders + files]
             self.assertGreater(len(found), 4)
             self.assertEqual({(os.stat(path).st_uid, os.stat(path).st_gid) for path in found}, {(10001, 10002)})
@@ -337,7 +337,7 @@ class Backup(unittest.TestCase):
     def test_damage_is_found(self):
         with Server() as server, tempfile.TemporaryDirectory() as folder:
             server.wait(server.submit()["jobID"])
-            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+            run = lambda *a: subprocess.run([PROGRAM, *a], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
             for victim in ("sheetform.db", "blobs.db", "blobs/in", "manifest.json"):
                 copy = folder + "/" + victim.replace("/", "-")
                 self.assertEqual(run("backup", copy, "--data", server.data).returncode, 0)

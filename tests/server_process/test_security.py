@@ -74,7 +74,7 @@ class Tokens(unittest.TestCase):
         gone = {}
         with self.listening(self.alice) as seen_by_alice, self.listening(self.bob) as seen_by_bob, self.listening(self.reader) as by_reader:
             for name, key in (("alice", self.alice), ("bob", self.bob)):
-                answer = self.send("POST", EXECUTION + "?filename=work-20.obj", key, unique_mesh(), Prefer="wait=20")
+                answer = self.send("POST", EXECUTION + "?filename=work-20.obj", key, unique_mesh(), Prefer="wait=50")
                 gone[name] = answer.json()["jobID"]
                 self.assertEqual(self.send("DELETE", "/api/v1/jobs/" + gone[name], key).status, 200)
             for seen, names in ((seen_by_alice, ["alice"]), (seen_by_bob, ["bob"]), (by_reader, ["alice", "bob"])):
@@ -83,7 +83,7 @@ class Tokens(unittest.TestCase):
                     self.assertEqual(name in names, job in text, (name, names))
 
     def listening(self, key):
-        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=30)
+        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=60)
         s.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {key}\r\n\r\n".encode())
         self.read_until(s, "event: snapshot")
         return s
@@ -98,7 +98,7 @@ class Tokens(unittest.TestCase):
 
     def test_results_of_others_are_not_reused(self):
         mesh = unique_mesh()
-        first = self.send("POST", EXECUTION, self.alice, mesh, Prefer="wait=20").json()
+        first = self.send("POST", EXECUTION, self.alice, mesh, Prefer="wait=50").json()
         self.assertEqual(first["status"], "successful")
         self.assertNotIn("reusedFrom", self.send("POST", EXECUTION, self.bob, mesh).json())
         self.assertEqual(self.send("POST", EXECUTION, self.alice, mesh).json()["reusedFrom"], first["jobID"])
@@ -128,7 +128,7 @@ class Tokens(unittest.TestCase):
 class Addresses(unittest.TestCase):
     def refused(self, *options):
         with tempfile.TemporaryDirectory() as data:
-            answer = subprocess.run([PROGRAM, "serve", "--data", data, *options], stderr=subprocess.PIPE, timeout=60)
+            answer = subprocess.run([PROGRAM, "serve", "--data", data, *options], stderr=subprocess.PIPE, timeout=300)
             self.assertEqual(answer.returncode, 64)
             return answer.stderr.decode().splitlines()[-1]
 
@@ -189,7 +189,7 @@ class Addresses(unittest.TestCase):
     def test_an_address_in_use_is_told(self):
         with Server() as server, tempfile.TemporaryDirectory() as data:
             other = subprocess.run([PROGRAM, "serve", "--data", data, "--listen", f"127.0.0.1:{server.port}"],
-                                   stderr=subprocess.PIPE, timeout=60)
+                                   stderr=subprocess.PIPE, timeout=300)
             self.assertNotEqual(other.returncode, 0)
             self.assertIn(b"in use", other.stderr.splitlines()[-1])
 
@@ -285,7 +285,7 @@ class Streams(ServerCase):
         sockets = []
         memory = self.server.memory()
         for _ in range(200):
-            s = socket.create_connection(("127.0.0.1", self.server.port), timeout=20)
+            s = socket.create_connection(("127.0.0.1", self.server.port), timeout=60)
             s.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
             self.assertTrue(s.makefile("rb").readline().startswith(b"HTTP/1.1 200"))
             sockets.append(s)
