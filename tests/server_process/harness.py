@@ -21,7 +21,6 @@ import urllib.parse
 
 PROGRAM = os.environ.get("SHEETFORM", "")
 FAKE_WORKER = os.environ.get("FAKE_WORKER", "")
-# Waiting ends late: jobs are nice, and on a machine that others use they may get a tenth of a processor.
 PATIENCE = 6 if os.environ.get("SHEETFORM_SANITIZED") else 1  # sanitizers make everything slow
 EXECUTION = "/api/v1/processes/decompose/execution"
 
@@ -169,6 +168,7 @@ class Server:
         return self.get(f"/api/v1/jobs/{job_id}").json()
 
     def wait(self, job_id, timeout=600, until=("successful", "failed", "dismissed")):
+        """The job when it has come so far. Given up late: jobs give way, on a busy machine they get a tenth of a processor."""
         deadline = time.monotonic() + timeout
         while time.monotonic() < deadline:
             job = self.job(job_id)
