@@ -158,13 +158,15 @@ std::string summary_of(const api::Json& report) {
          (report.value("e_max_met", true) ? "" : ", tolerance not met everywhere");
 }
 
-/// Content first, then the row that names it: a row without its content cannot exist.
+/// Content first, then the row that names it: a row without its content cannot exist. The log before it, too:
+/// who is told of the success finds it.
 void publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-             const WorkerMessage::Result& result) {
+             const WorkerMessage::Result& result, const AttemptEnd& end) {
   const std::shared_lock lock(parts.content);
   const std::vector<StoredOutput> outputs = store_outputs(parts, folder, result);
   api::Json report = result.report;
   report["notes"] = result.notes;
+  parts.jobs.end_attempt(claimed, end);
   parts.jobs.succeed(claimed, outputs, api::dump(report), summary_of(report));
 }
 
@@ -193,9 +195,9 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
 
 /// Why the store does not take the result now; nothing when it is published.
 std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                                        const WorkerMessage::Result& result) {
+                                        const WorkerMessage::Result& result, const AttemptEnd& end) {
   try {
-    publish(parts, claimed, folder, result);
+    publish(parts, claimed, folder, result, end);
     return std::nullopt;
   } catch (const StoreError& e) {
     if (e.kind() == StoreFailure::kRefused) throw;
@@ -208,10 +210,11 @@ std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJ
 /// away because the disk is full: it waits until there is room, or until the attempt is stopped. A disk that
 /// refuses it again and again is another matter.
 Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                         const WorkerMessage::Result& result, const StopSignal& stop, Verdict verdict) {
+                         const WorkerMessage::Result& result, const AttemptEnd& end, const StopSignal& stop,
+                         Verdict verdict) {
   try {
     int refused = 0;
-    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result)) {
+    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result, end)) {
       if (why == StoreFailure::kDisk && ++refused == kPublishTries)
         return judge_disk(claimed.job, parts.limits, free_bytes(parts));
       pollfd stopped{stop.descriptor(), POLLIN, 0};
@@ -284,10 +287,14 @@ void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const Atte
   const ChildReport report = run_child(task);
   Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), wishes.reason,
                                   claimed.job, listener.stage, parts.limits, free_bytes(parts));
+  const auto end = [&] {
+    return AttemptEnd{verdict.outcome,    report.log,      report.signal,
+                      report.exit_status, report.peak_rss, report.cpu_ms};
+  };
   if (verdict.action == Verdict::Action::kPublish)
-    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, wishes.stop, verdict);
-  parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,
-                                   report.peak_rss, report.cpu_ms});
+    verdict =
+        publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, end(), wishes.stop, verdict);
+  if (verdict.action != Verdict::Action::kPublish) parts.jobs.end_attempt(claimed, end());
   act(parts, claimed, verdict);
   log_end(claimed, verdict, report);
 }
