@@ -166,7 +166,7 @@ ApiOptions api_options(const ParsedLine& line, const std::vector<ListenAddress>&
   return o;
 }
 
-/// Ends the process when the accept loop has stood still: a restart helps, waiting does not.
+/// Keeps house, and ends the process when the accept loop has stood still: a restart helps, waiting does not.
 class Caretaker {
  public:
   Caretaker(JobService& service, const ApiServer& server)
@@ -195,16 +195,17 @@ class Caretaker {
         ::_exit(kExitOurs);
       }
       if (now - cleaned > kHousekeeping) {
-        clean();
+        keep(&JobService::keep_house);
         cleaned = SteadyClock::now();
       }
+      keep(&JobService::keep_quota);
       lock.lock();
       wake_.wait_for(lock, kWatch, [this] { return ending_; });
     }
   }
-  void clean() {
+  void keep(void (JobService::*what)()) {
     try {
-      service_.keep_house();
+      (service_.*what)();
     } catch (const std::exception& e) {
       log_error("housekeeping failed", {{"reason", e.what()}});
     }

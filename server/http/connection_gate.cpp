@@ -13,6 +13,8 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -60,6 +62,16 @@ std::string address_text(const sockaddr_storage& address) {
     ::inet_ntop(AF_INET6, &v6.sin6_addr, text, sizeof text);
   }
   return text;
+}
+
+std::uint64_t network_of(const sockaddr_storage& address) {
+  std::uint64_t network = 0;
+  const auto* bytes = reinterpret_cast<const char*>(&address);
+  if (address.ss_family == AF_INET)
+    std::memcpy(&network, bytes + offsetof(sockaddr_in, sin_addr), sizeof(in_addr));
+  else if (address.ss_family == AF_INET6)
+    std::memcpy(&network, bytes + offsetof(sockaddr_in6, sin6_addr), sizeof network);
+  return network;
 }
 
 struct AddressList {
@@ -187,6 +199,7 @@ void ConnectionGate::run() {
   }
   listeners_.clear();
   waiting_.clear();
+  networks_.clear();
   waiting_count_ = 0;
 }
 
@@ -197,7 +210,7 @@ void ConnectionGate::accept_all(int listener) {
     Descriptor socket(
         ::accept4(listener, reinterpret_cast<sockaddr*>(&address), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (socket.valid())
-      take(std::move(socket), address_text(address));
+      take(std::move(socket), address);
     else if (is_shortage(errno))
       return make_room();
     else if (errno == EAGAIN || errno == EWOULDBLOCK)
@@ -215,14 +228,25 @@ void ConnectionGate::make_room() {
     drop_oldest();
 }
 
-void ConnectionGate::take(Descriptor socket, std::string peer) {
+void ConnectionGate::take(Descriptor socket, const sockaddr_storage& peer) {
   if (waiting_.size() >= limits_.waiting) drop_oldest();
   const int on = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof kUnsentBytes);
   const int fd = socket.get();
   if (!watch(epoll_.get(), fd)) return;
-  waiting_[fd] = Waiting{std::move(socket), std::move(peer), {}, SteadyClock::now() + limits_.head_time};
+  const auto network = networks_.try_emplace(network_of(peer), 0).first;
+  ++network->second;
+  waiting_.emplace(
+      fd,
+      Waiting{std::move(socket), address_text(peer), {}, SteadyClock::now() + limits_.head_time, network});
+  waiting_count_ = static_cast<int>(waiting_.size());
+}
+
+void ConnectionGate::forget(WaitingMap::iterator waiting) {
+  const auto network = waiting->second.network;
+  if (--network->second == 0) networks_.erase(network);
+  waiting_.erase(waiting);
   waiting_count_ = static_cast<int>(waiting_.size());
 }
 
@@ -233,11 +257,7 @@ void ConnectionGate::read_from(int fd) {
   char buffer[kHeadBytes];
   const ssize_t got = ::recv(fd, buffer, sizeof buffer, 0);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  if (got <= 0) {
-    waiting_.erase(found);
-    waiting_count_ = static_cast<int>(waiting_.size());
-    return;
-  }
+  if (got <= 0) return forget(found);
   const std::size_t before = w.bytes.size();
   w.bytes.append(buffer, static_cast<std::size_t>(got));
   // Empty lines before a request are allowed, and skipped.
@@ -259,8 +279,7 @@ void ConnectionGate::hand_over(int fd, Arrival::Kind kind, std::size_t head_end)
   arrival.peer = std::move(found->second.peer);
   arrival.bytes = std::move(found->second.bytes);
   arrival.head_end = head_end;
-  waiting_.erase(found);
-  waiting_count_ = static_cast<int>(waiting_.size());
+  forget(found);
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, fd, nullptr);
   set_blocking(fd, true);
   if (!arrived_(arrival)) shed_one(std::move(arrival.socket));
@@ -273,14 +292,15 @@ void ConnectionGate::shed_one(Descriptor socket) {
   ::shutdown(socket.get(), SHUT_WR);
 }
 
+/// Of the network that has most, so that one client pushes out its own connections and not those of others.
 void ConnectionGate::drop_oldest() {
   if (waiting_.empty()) return;
-  const auto oldest = std::min_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
-    return a.second.deadline < b.second.deadline;
+  const auto first = std::min_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
+    const int held_by_a = a.second.network->second, held_by_b = b.second.network->second;
+    return held_by_a != held_by_b ? held_by_a > held_by_b : a.second.deadline < b.second.deadline;
   });
   ++shed_;
-  waiting_.erase(oldest);
-  waiting_count_ = static_cast<int>(waiting_.size());
+  forget(first);
 }
 
 void ConnectionGate::drop_late() {
@@ -290,11 +310,10 @@ void ConnectionGate::drop_late() {
     if (w.deadline < now) late.push_back(fd);
   for (const int fd : late) {
     if (waiting_.at(fd).bytes.empty())
-      waiting_.erase(fd);  // nothing was asked, nothing is answered
+      forget(waiting_.find(fd));  // nothing was asked, nothing is answered
     else
       hand_over(fd, Arrival::Kind::kTooSlow, 0);
   }
-  waiting_count_ = static_cast<int>(waiting_.size());
 }
 
 }  // namespace sheetform::server

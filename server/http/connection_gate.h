@@ -10,6 +10,8 @@
 #include "server/base/clock.h"
 #include "server/base/descriptor.h"
 
+struct sockaddr_storage;
+
 namespace sheetform::server {
 
 /// A connection whose first bytes have come.
@@ -23,7 +25,8 @@ struct Arrival {
 };
 
 struct GateLimits {
-  std::size_t waiting = 2048;  ///< connections without a complete head; the oldest goes when there are more
+  /// Connections without a complete head. When there are more, the oldest of the network that has most goes.
+  std::size_t waiting = 2048;
   std::chrono::seconds head_time{10};
 };
 
@@ -59,14 +62,20 @@ class ConnectionGate {
   }
 
  private:
+  /// How many wait, by network: an IPv4 address, or the /64 of an IPv6 one, which is what one client may
+  /// have.
+  using Networks = std::map<std::uint64_t, int>;
   struct Waiting {
     Descriptor socket;
     std::string peer, bytes;
     SteadyClock::time_point deadline;
+    Networks::iterator network;
   };
+  using WaitingMap = std::map<int, Waiting>;
   void accept_all(int listener);
   void make_room();
-  void take(Descriptor socket, std::string peer);
+  void take(Descriptor socket, const sockaddr_storage& peer);
+  void forget(WaitingMap::iterator waiting);
   void read_from(int fd);
   void hand_over(int fd, Arrival::Kind kind, std::size_t head_end);
   void shed_one(Descriptor socket);
@@ -77,7 +86,8 @@ class ConnectionGate {
   std::function<bool(Arrival&)> arrived_;
   Descriptor epoll_, wake_;
   std::vector<Descriptor> listeners_;
-  std::map<int, Waiting> waiting_;
+  Networks networks_;
+  WaitingMap waiting_;
   std::atomic<int> waiting_count_{0};
   std::atomic<std::uint64_t> shed_{0};
   std::atomic<bool> stopping_{false};

@@ -214,13 +214,29 @@ std::optional<HeadError> read_head(const Arrival& arrival, RequestHead& head) {
 
 }  // namespace
 
+/// The number is another's as soon as the socket is closed, so it goes before that, however the answer ends.
+class GuardServer::Answering {
+ public:
+  Answering(GuardServer& server, int fd) : server_(server), fd_(fd) {
+    const std::lock_guard lock(server_.sockets_mutex_);
+    server_.sockets_.insert(fd_);
+  }
+  ~Answering() {
+    const std::lock_guard lock(server_.sockets_mutex_);
+    server_.sockets_.erase(fd_);
+  }
+  Answering(const Answering&) = delete;
+  Answering& operator=(const Answering&) = delete;
+
+ private:
+  GuardServer& server_;
+  int fd_;
+};
+
 void GuardServer::serve(Arrival& arrival) {
   const auto begun = SteadyClock::now();
   const int fd = arrival.socket.get();
-  {
-    const std::lock_guard lock(sockets_mutex_);
-    sockets_.insert(fd);
-  }
+  const Answering answering(*this, fd);
   RequestHead head;
   const std::optional<HeadError> error = read_head(arrival, head);
   BodyReader body(fd, arrival.bytes.substr(arrival.head_end), head, options_.patience);
@@ -232,8 +248,6 @@ void GuardServer::serve(Arrival& arrival) {
           {answer.status, body.bytes(), stream.written(),
            std::chrono::duration<double>(SteadyClock::now() - begun).count()});
   if (!body.finished()) linger(fd);
-  const std::lock_guard lock(sockets_mutex_);
-  sockets_.erase(fd);
 }
 
 }  // namespace sheetform::server

@@ -64,6 +64,7 @@ class GuardServer {
 
  private:
   class Backend;
+  class Answering;
   void serve(Arrival& arrival);
 
   GuardOptions options_;
@@ -71,7 +72,7 @@ class GuardServer {
   Report report_;
   std::unique_ptr<Backend> backend_;
   std::mutex sockets_mutex_;
-  std::set<int> sockets_;
+  std::set<int> sockets_;  ///< that are being answered, for drain() to cut
   ThreadCrew crew_;
   ConnectionGate gate_;
   std::thread gate_thread_;

@@ -158,14 +158,22 @@ std::string summary_of(const api::Json& report) {
          (report.value("e_max_met", true) ? "" : ", tolerance not met everywhere");
 }
 
-/// Content first, then the row that names it: a row without its content cannot exist.
+/// Content first, then the row that names it: a row without its content cannot exist. The log before it, too:
+/// who is told of the success finds it.
 void publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-             const WorkerMessage::Result& result) {
+             const WorkerMessage::Result& result, const AttemptEnd& end) {
   const std::shared_lock lock(parts.content);
   const std::vector<StoredOutput> outputs = store_outputs(parts, folder, result);
   api::Json report = result.report;
   report["notes"] = result.notes;
+  parts.jobs.end_attempt(claimed, end);
   parts.jobs.succeed(claimed, outputs, api::dump(report), summary_of(report));
+}
+
+/// When a job that waits again may run. One that was interrupted keeps its place in the line: it is not its
+/// fault.
+Microseconds next_start(const ClaimedJob& claimed, const Verdict& verdict) {
+  return verdict.counted_as == Requeue::kInterruption ? claimed.job.run_after : now_us() + verdict.delay;
 }
 
 void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& verdict) {
@@ -176,7 +184,7 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
                       verdict.counted_as);
       break;
     case Verdict::Action::kRequeue:
-      parts.jobs.requeue(claimed, verdict.counted_as, now_us() + verdict.delay,
+      parts.jobs.requeue(claimed, verdict.counted_as, next_start(claimed, verdict),
                          "waiting again: " + verdict.problem.detail);
       break;
     case Verdict::Action::kPublish:
@@ -187,9 +195,9 @@ void act(const RunnerParts& parts, const ClaimedJob& claimed, const Verdict& ver
 
 /// Why the store does not take the result now; nothing when it is published.
 std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                                        const WorkerMessage::Result& result) {
+                                        const WorkerMessage::Result& result, const AttemptEnd& end) {
   try {
-    publish(parts, claimed, folder, result);
+    publish(parts, claimed, folder, result, end);
     return std::nullopt;
   } catch (const StoreError& e) {
     if (e.kind() == StoreFailure::kRefused) throw;
@@ -202,10 +210,11 @@ std::optional<StoreFailure> try_publish(const RunnerParts& parts, const ClaimedJ
 /// away because the disk is full: it waits until there is room, or until the attempt is stopped. A disk that
 /// refuses it again and again is another matter.
 Verdict publish_or_judge(const RunnerParts& parts, const ClaimedJob& claimed, int folder,
-                         const WorkerMessage::Result& result, const StopSignal& stop, Verdict verdict) {
+                         const WorkerMessage::Result& result, const AttemptEnd& end, const StopSignal& stop,
+                         Verdict verdict) {
   try {
     int refused = 0;
-    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result)) {
+    while (const std::optional<StoreFailure> why = try_publish(parts, claimed, folder, result, end)) {
       if (why == StoreFailure::kDisk && ++refused == kPublishTries)
         return judge_disk(claimed.job, parts.limits, free_bytes(parts));
       pollfd stopped{stop.descriptor(), POLLIN, 0};
@@ -278,10 +287,14 @@ void run_attempt(const RunnerParts& parts, const ClaimedJob& claimed, const Atte
   const ChildReport report = run_child(task);
   Verdict verdict = judge_attempt(report, listener.problem, listener.result.has_value(), wishes.reason,
                                   claimed.job, listener.stage, parts.limits, free_bytes(parts));
+  const auto end = [&] {
+    return AttemptEnd{verdict.outcome,    report.log,      report.signal,
+                      report.exit_status, report.peak_rss, report.cpu_ms};
+  };
   if (verdict.action == Verdict::Action::kPublish)
-    verdict = publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, wishes.stop, verdict);
-  parts.jobs.end_attempt(claimed, {verdict.outcome, report.log, report.signal, report.exit_status,
-                                   report.peak_rss, report.cpu_ms});
+    verdict =
+        publish_or_judge(parts, claimed, folder.descriptor(), *listener.result, end(), wishes.stop, verdict);
+  if (verdict.action != Verdict::Action::kPublish) parts.jobs.end_attempt(claimed, end());
   act(parts, claimed, verdict);
   log_end(claimed, verdict, report);
 }

@@ -92,8 +92,12 @@ class JobService {
   int running() const { return pool_.running(); }
   std::uint64_t free_bytes() const;
 
-  /// Removes what is over its time or quota, and content that nothing names. Called now and then.
+  /// Removes what is over its time or quota, and content that nothing names. Called now and then, by the
+  /// thread that also calls keep_quota().
   void keep_house();
+  /// Removes the oldest finished jobs when all together need more than the quota; nothing when nothing was
+  /// stored since the last call.
+  void keep_quota();
 
  private:
   Submitted accept(Upload& upload, const Submission& s, const std::string& fingerprint,
@@ -102,7 +106,9 @@ class JobService {
                  const Inspection& inspection) const;
   std::optional<Submitted> earlier(const Submission& s, const std::string& fingerprint) const;
   void collect_unused();
-  void keep_quota();
+  void remove_over_quota();
+  std::int64_t remove_with_content(const std::string& id);
+  bool drop_unused(const std::string& digest);
 
   ServiceOptions options_;
   Descriptor lock_;
@@ -116,6 +122,7 @@ class JobService {
   std::shared_mutex content_;
   SlotPool pool_;
   std::atomic<bool> draining_{false};
+  std::uint64_t quota_kept_at_ = 0;  ///< the newest change then
   mutable std::mutex keys_mutex_;
   std::set<std::string> keys_in_progress_;
 };

@@ -45,7 +45,7 @@ it("cancel stops the job and offers a way on", async () => {
 
 it("a server restart in mid-job is survived without a hand's turn", async () => {
   await begin("restart.obj", { around: 80, up: 40, wave: 0.13 });
-  await server.end();
+  await server.end("SIGKILL"); // a server that is asked to stop lets the job end first
   await page.getByText(/No connection to the server/).waitFor();
   await window.shot("interruption-2-server-gone");
   await server.begin();

@@ -14,11 +14,10 @@ import tempfile
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, Skip, all_jobs, arc, expect, in_processes, in_threads, integrity, latencies, percentile, trial,
-                    unique_mesh, until_idle)
+from trials import (EXECUTION, STORE_LOAD, FaultyServer, Server, Skip, all_jobs, arc, expect, fill_queue, in_processes, in_threads, integrity,
+                    latencies, percentile, trial, unique_mesh, until_idle)
 
 
-STORE_LOAD = os.environ.get("STORE_LOAD", "")
 DRAIN_ALL = False  # reliability.py --drain
 
 
@@ -78,14 +77,7 @@ def long_queue(figures, long, rng):
     with Server("--slots", "1", "--quiet") as server:
         blocker = server.submit(name="work-800000.obj")["jobID"]
         server.wait(blocker, until=("running",))
-
-        def send(i):
-            for _ in range(count // clients):
-                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
-                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
-        begun = time.monotonic()
-        in_threads(clients, send)
-        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=300)
+        figures.bar("accepted_per_second", fill_queue(server, count, clients), least=300)
         figures.put(queued=count)
         put_latencies(figures, "list_of_100", latencies(server.port, "/api/v1/jobs?limit=100", 200 if long else 20), most=0.02)
         put_latencies(figures, "one_job", latencies(server.port, f"/api/v1/jobs/{blocker}", 200 if long else 20), most=0.05)
@@ -100,7 +92,7 @@ def long_queue(figures, long, rng):
         if long and not DRAIN_ALL:
             time.sleep(20)  # all of them would take a quarter of an hour
         else:
-            until_idle(server, 60 + count)
+            until_idle(server, 300 + count)
         seconds, jobs = time.monotonic() - begun, all_jobs(server).values()
         jobs = [job for job in jobs if job["jobID"] != blocker]
         expect(len(jobs) == count, f"of {count} jobs {len(jobs)} are there")
@@ -125,7 +117,7 @@ def large_store(figures, long, rng):
         after = next(link["href"] for link in first["links"] if link["rel"] == "next")
         for name, path, most in (("page", "?limit=100", 0.02), ("next_page", after[after.index("?"):], 0.02),
                                  ("one_state", "?limit=100&status=dismissed", 0.02),
-                                 ("none_found", "?limit=100&status=running", 0.1)):  # looks at every row
+                                 ("none_found", "?limit=100&status=running", 0.02)):
             put_latencies(figures, name, latencies(server.port, "/api/v1/jobs" + path, 300 if long else 30), most=most)
         figures.bar("memory_mib", server.memory() / 2**20, most=200)
         server.stop()
@@ -140,15 +132,8 @@ def slow_disk(figures, long, rng):
     count, clients, slow = (1600, 16, 10) if long else (48, 8, 10)
     with FaultyServer("--slots", "1", "--quiet", slow=slow) as server:
         server.wait(server.submit(name="work-800000.obj")["jobID"], until=("running",))
-
-        def send(i):
-            for _ in range(count // clients):
-                answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
-                expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
-        begun = time.monotonic()
-        in_threads(clients, send)
         # One transaction each could not take more than 100 in a second, whatever the machine.
-        figures.bar("accepted_per_second", count / (time.monotonic() - begun), least=150)
+        figures.bar("accepted_per_second", fill_queue(server, count, clients), least=150)
         expect(len(all_jobs(server)) == count + 1, "a job is missing")
 
 
@@ -290,7 +275,7 @@ def crashing_jobs(figures, long, rng):
             expect(server.wait(job_id, timeout=600)["status"] == "successful", "a good job was harmed")
         expect(server.process.pid == pid and server.process.poll() is None, "the server died")
         server.until_tidy()
-        expect(not strays(server.data), "a process that a job had begun lives on")
+        server.until("no process that a job had begun lives on", lambda: not strays(server.data))  # they were killed just now
         figures.put(bad=len(bad), good=len(good))
 
 
@@ -305,7 +290,7 @@ def cancels(figures, long, rng):
             expect(server.request("DELETE", f"/api/v1/jobs/{job_id}", check=False).status == 200, "a cancel was refused")
             while server.children():
                 time.sleep(0.005)
-                expect(time.monotonic() - begun < 20, "a cancelled process does not end")
+                expect(time.monotonic() - begun < 60, "a cancelled process does not end")
             gone.append(time.monotonic() - begun)
         figures.put(cancels=len(gone), gone_median=percentile(gone, 0.5))
         figures.bar("gone_worst_seconds", max(gone), most=1)
@@ -314,7 +299,7 @@ def cancels(figures, long, rng):
         ids = [i for some in ids for i in some]
         answers = in_threads(10, lambda i: [server.request("DELETE", f"/api/v1/jobs/{j}", check=False).status for j in ids[i::10]])
         expect({s for some in answers for s in some} == {200}, "a cancel of the storm was refused")
-        until_idle(server, 60)
+        until_idle(server)
         server.until_tidy()
         expect(server.wait(server.submit()["jobID"])["status"] == "successful", "no job runs any more")
         figures.put(storm=storm)
@@ -411,7 +396,7 @@ def visitors(server, count, seconds):
         browsers = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=lambda: os.nice(5))
                     for _ in range(count)]
         threading.Thread(target=give_way, args=(browsers,), daemon=True).start()
-        told = [browser.communicate(timeout=1200) for browser in browsers]
+        told = [browser.communicate(timeout=6000) for browser in browsers]
     for browser, (_, wrong) in zip(browsers, told):
         expect(browser.returncode == 0, f"a browser failed: {wrong.decode(errors='replace')[-600:]}")
     answers = [json.loads(out) for out, _ in told]
@@ -444,7 +429,7 @@ def company(figures, long, rng):
         work = ring(400, 160) if long else ring(200, 100)  # minutes of work at this tolerance
         busy = [server.submit(work + b"# %d\n" % i, name=f"ring-{i}.obj", e_max=0.001)["jobID"] for i in range(slots)]
         for job_id in busy:
-            server.wait(job_id, timeout=120, until=("running",))
+            server.wait(job_id, timeout=600, until=("running",))
         visited = {}
 
         def script(i):

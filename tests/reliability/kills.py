@@ -4,11 +4,12 @@ import http.client
 import os
 import random
 import signal
+import subprocess
 import threading
 import time
 
-from trials import (EXECUTION, FaultyServer, Server, all_jobs, expect, in_threads, integrity, percentile, trial,
-                    unique_mesh, until_idle, verify_results)
+from trials import (EXECUTION, STORE_LOAD, FaultyServer, Server, Skip, all_jobs, expect, fill_queue, in_threads, integrity, percentile,
+                    trial, unique_mesh, until_idle, verify_results)
 
 
 LONG_KILLS = 2000  # reliability.py --kills
@@ -55,7 +56,7 @@ class Submitters:
 
 def verify_acknowledged(server, acknowledged):
     """P1 to P4 of every acknowledged job; how many there were."""
-    until_idle(server, 60 + len(acknowledged))
+    until_idle(server, 300 + len(acknowledged))
     jobs = all_jobs(server)
     lost = [i for i in acknowledged if i not in jobs]
     expect(not lost, f"{len(lost)} acknowledged jobs are lost: {lost[:3]}")
@@ -99,6 +100,48 @@ def kill_loop(figures, long, rng):
     ready = sorted(seconds for _, list_of_one in told for seconds in list_of_one)
     figures.put(kills=len(ready), servers=servers, ready_median=percentile(ready, 0.5), ready_worst=ready[-1])
     figures.put(**{name: sum(verified[name] for verified, _ in told) for name in told[0][0]})
+
+
+def forget_pages(folder):
+    """Has the system read the files there from the disk again."""
+    for place, _, names in os.walk(folder):
+        for name in names:
+            file = os.open(os.path.join(place, name), os.O_RDONLY)
+            os.fsync(file)  # only what is written can be forgotten
+            os.posix_fadvise(file, 0, 0, os.POSIX_FADV_DONTNEED)
+            os.close(file)
+
+
+@trial("T2", "10,000 jobs in the queue and a gigabyte of results: ready, and the running job running again, soon after any end")
+def restarts(figures, long, rng):
+    if not STORE_LOAD:
+        raise Skip("STORE_LOAD does not name the program that fills a store")
+    queued, results = (10000, 1024) if long else (80, 16)
+    with Server("--slots", "1", "--drain", "0", "--quiet") as server:
+        server.stop()
+        subprocess.run([STORE_LOAD, server.data, "0", "0", "0", str(results)], check=True)
+        server.start()
+        running = server.submit(name="work-800000.obj")["jobID"]
+        server.wait(running, until=("running",))
+        fill_queue(server, queued, 8)
+        for end, signal_number in (("stop", signal.SIGTERM), ("kill", signal.SIGKILL)):
+            for pages in ("cached", "forgotten"):
+                server.stop(signal_number)
+                if pages == "forgotten":
+                    forget_pages(server.data)
+                begun = time.monotonic()
+                server.start()
+                expect(server.request("GET", "/readyz", check=False).status == 200, "it serves, but is not ready")
+                figures.bar(f"ready_after_{end}_{pages}_seconds", time.monotonic() - begun, most=2)
+                server.wait(running, until=("running",))
+                figures.bar(f"running_after_{end}_{pages}_seconds", time.monotonic() - begun, most=2)
+        jobs = all_jobs(server)
+        waiting = [job for job in jobs.values() if job["status"] == "accepted"]
+        expect(len(waiting) == queued and len(jobs) == queued + results + 1, f"of {queued} jobs {len(waiting)} wait")
+        done = [i for i, job in jobs.items() if job["status"] == "successful"]
+        for job_id in rng.sample(done, min(20, results)):
+            expect(verify_results(server, job_id) == 1, "a result is not complete")
+        figures.put(queued=queued, results_mib=os.path.getsize(server.data + "/blobs.db") / 2**20)
 
 
 def session(server, count):

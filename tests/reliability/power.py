@@ -383,7 +383,7 @@ def check_what_is_left(tree, told, repeat):
                 path, body, headers = repeat[job_id]
                 answer = server.request("POST", path, body, headers, check=False)
                 expect(answer.status == 201 and answer.json()["jobID"] == job_id, "the key of a request is forgotten")
-            until_idle(server, 60)
+            until_idle(server)
             jobs = server.request("GET", "/api/v1/jobs?limit=1000", check=False).json()["jobs"]
             for job in jobs:
                 if job["status"] == "successful":
@@ -422,7 +422,7 @@ def power_cuts(figures, long, rng):
         gone = server.submit(name="work-3000.obj")["jobID"]
         server.request("DELETE", f"/api/v1/jobs/{gone}")
         server.wait(server.submit(name="refuse.obj")["jobID"])
-        until_idle(server, 30)
+        until_idle(server)
         for job in server.get("/api/v1/jobs?limit=100").json()["jobs"]:
             server.job(job["jobID"])
         events = recording.finish()

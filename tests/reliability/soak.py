@@ -6,10 +6,9 @@ import subprocess
 import threading
 import time
 
-from crowds import STORE_LOAD
-from trials import EXECUTION, Server, Skip, expect, in_threads, integrity, percentile, trial, unique_mesh, until_idle, verify_results
+from trials import EXECUTION, STORE_LOAD, Server, Skip, expect, in_threads, integrity, percentile, trial, unique_mesh, until_idle, verify_results
 
-MINUTES = 15  # reliability.py --soak; its housekeeping comes every ten
+MINUTES = 15  # reliability.py --soak
 QUOTA_MIB = 64
 BAD = ("refuse.obj", "exit.obj", "missing.obj", "nonsense.obj", "memory.obj")
 
@@ -152,7 +151,7 @@ def soak(figures, long, rng):
         watch, requests = Watch(server), 0
         for _ in range(3):
             requests += visit(server, watch, MINUTES * 20, rng)
-            until_idle(server, 60)
+            until_idle(server)
             watch.count_descriptors()
         hours = watch.samples[-1][0] / 3600
         figures.put(minutes=hours * 60, requests=requests, jobs_left=len(server.request("GET", "/api/v1/jobs?limit=10000", check=False).json()["jobs"]))
@@ -170,13 +169,10 @@ def soak(figures, long, rng):
         figures.bar("descriptors_more", watch.descriptors[-1][1] - watch.descriptors[0][1], most=0)
         figures.bar("descriptors_of_databases", watch.descriptors[-1][0], most=2 * 3 * 17)
         figures.bar("wal_worst_mib", max(s[2] for s in watch.samples) / 2**20, most=64)
-        figures.put(uploads_worst_mib=max(s[4] for s in watch.samples) / 2**20)
+        # The oldest jobs have no content, and go one by one.
+        figures.bar("uploads_worst_mib", max(s[4] for s in watch.samples) / 2**20, most=QUOTA_MIB + 32)
         figures.put(databases_first_mib=watch.samples[len(watch.samples) // 3][3] / 2**20)
         figures.bar("databases_last_mib", watch.samples[-1][3] / 2**20, most=QUOTA_MIB + 16)
-        if MINUTES >= 14:  # the housekeeping removes job by job and may take a minute
-            lowest = min(s[4] for s in watch.samples[len(watch.samples) // 2:])  # some seconds after it
-            figures.bar("uploads_after_housekeeping_mib", lowest / 2**20, most=QUOTA_MIB + 16)
-        server.restart()  # its housekeeping comes at once
         server.until("the quota is kept", lambda: stored(server) <= QUOTA_MIB << 20, 300)
         figures.put(stored_mib=stored(server) / 2**20)
         for job in server.request("GET", "/api/v1/jobs?status=successful&limit=20", check=False).json()["jobs"]:

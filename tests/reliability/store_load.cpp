@@ -1,7 +1,10 @@
-// Fills a store with jobs and measures how long a slot waits for the next one; T10 runs it.
-//   store_load FOLDER ENDED WAITING CLAIMS
-// Makes the store in FOLDER, with ENDED jobs that were cancelled and WAITING ones of 50 users, claims CLAIMS
-// of these one after the other and prints the seconds that each took, one a line.
+// Fills a store with jobs and measures how long a slot waits for the next one; T2 and T10 run it.
+//   store_load FOLDER ENDED WAITING CLAIMS [RESULTS]
+// Makes the store in FOLDER, with RESULTS jobs whose result has a MiB, ENDED jobs that were cancelled and
+// WAITING ones of 50 users, claims CLAIMS of these one after the other and prints the seconds that each
+// took, one a line.
+#include <sys/mman.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -11,14 +14,17 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/descriptor.h"
 #include "server/base/digest.h"
 #include "server/base/identity.h"
+#include "server/store/blob_store.h"
 #include "server/store/job_store.h"
 
 namespace sheetform::server {
 namespace {
 
 constexpr int kUsers = 50;
+constexpr std::size_t kResultBytes = 1 << 20;
 constexpr int kWriters = 64;  // they share transactions
 
 NewJob new_job(std::int64_t principal) {
@@ -50,9 +56,25 @@ void make_all(int count, Make&& make) {
   for (std::thread& t : threads) t.join();
 }
 
-void run(const std::filesystem::path& folder, int ended, int waiting, int claims) {
+/// A successful job whose only file is like no other.
+void make_result(JobStore& store, BlobStore& blobs) {
+  store.accept(new_job(0));
+  const ClaimedJob claimed = store.claim(now_us()).value();
+  std::string bytes;
+  for (std::string part = claimed.job.id; bytes.size() < kResultBytes; bytes += part) part = sha256(part);
+  bytes.resize(kResultBytes);
+  const Descriptor file(::memfd_create("result", MFD_CLOEXEC));
+  if (!file.valid() || !write_whole(file.get(), bytes)) std::abort();
+  const StoredOutput output{"layout.svg", "image/svg+xml", blobs.put_file(file.get(), bytes.size()),
+                            static_cast<std::int64_t>(bytes.size())};
+  if (!store.succeed(claimed, {output}, "{}", "1 part")) std::abort();
+}
+
+void run(const std::filesystem::path& folder, int ended, int waiting, int claims, int results) {
   std::filesystem::create_directories(folder);
   JobStore store(folder / "sheetform.db");
+  BlobStore blobs(folder / "blobs.db");
+  for (int i = 0; i < results; ++i) make_result(store, blobs);
   std::vector<std::int64_t> users;
   for (int i = 0; i < kUsers; ++i) users.push_back(store.principal_id("user " + std::to_string(i)));
   make_all(ended, [&](int) { store.dismiss(store.accept(new_job(0)).id, now_us() + 30 * kDay); });
@@ -68,7 +90,8 @@ void run(const std::filesystem::path& folder, int ended, int waiting, int claims
 }  // namespace sheetform::server
 
 int main(int argc, char** argv) {
-  if (argc != 5) return 64;
-  sheetform::server::run(argv[1], std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4]));
+  if (argc != 5 && argc != 6) return 64;
+  sheetform::server::run(argv[1], std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4]),
+                         argc == 6 ? std::atoi(argv[5]) : 0);
   return 0;
 }

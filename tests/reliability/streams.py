@@ -9,7 +9,7 @@ import time
 from trials import EXECUTION, Server, expect, in_threads, latencies, percentile, trial, unique_mesh
 
 
-def stream(server, path, last_id=None, most_seconds=60):
+def stream(server, path, last_id=None, most_seconds=120):
     """Everything that an event stream sends until it ends: [(id or None, event, data)]."""
     head = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n" + (f"Last-Event-ID: {last_id}\r\n" if last_id else "") + "\r\n"
     data = b""
@@ -83,7 +83,7 @@ def replay(figures, long, rng):
             path, seen, last = f"/api/v1/jobs/{job_id}/events", [], None
             cutter = threading.Timer(rng.uniform(0.1, 0.7), server.restart, [signal.SIGKILL])
             cutter.start()
-            deadline = time.monotonic() + 60
+            deadline = time.monotonic() + 300
             while time.monotonic() < deadline:
                 for number, _, data in stream(server, path, last):
                     if number:
@@ -106,7 +106,7 @@ def many_streams(figures, long, rng):
     count = 190 if long else 30
     with Server("--slots", "1", "--quiet") as server:
         memory = server.memory()
-        job_id = server.submit(name="work-9000.obj" if long else "work-3000.obj")["jobID"]
+        job_id = server.submit(name="work-9000.obj" if long else "work-6000.obj")["jobID"]
         told, peak, times = [], [], []
         crowd = threading.Thread(target=lambda: told.extend(
             in_threads(count, lambda i: stream(server, f"/api/v1/jobs/{job_id}/events"))))
@@ -144,9 +144,9 @@ def many_cut_streams(figures, long, rng):
     with Server("--slots", "1", "--quiet") as server:
         server.get("/healthz")
         memory = server.memory()
-        job_id = server.submit(name="work-6000.obj" if long else "work-3000.obj")["jobID"]
+        job_id = server.submit(name="work-6000.obj")["jobID"]
         told = []
-        crowd = threading.Thread(target=lambda: told.extend(in_threads(count, lambda i: follow(server, job_id, 120))))
+        crowd = threading.Thread(target=lambda: told.extend(in_threads(count, lambda i: follow(server, job_id, 300))))
         crowd.start()
         server.until_streams(count)
         figures.bar("memory_growth_mib", (server.memory() - memory) / 2**20, most=32)

@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from harness import EXECUTION, PROGRAM, Server, arc, unique_mesh  # noqa: E402,F401
 
 IO_FAULTS = os.environ.get("IO_FAULTS", "")
+STORE_LOAD = os.environ.get("STORE_LOAD", "")
 TRIALS = []
 
 
@@ -114,6 +115,17 @@ def in_threads(count, work):
     return answers
 
 
+def fill_queue(server, count, clients):
+    """Sends `count` small jobs, by so many clients at once; jobs a second."""
+    def send(i):
+        for _ in range(count // clients):
+            answer = server.request("POST", f"{EXECUTION}?filename=work-0.obj", unique_mesh(), check=False)
+            expect(answer.status == 201, f"an upload got {answer.status} {answer.body[:200]}")
+    begun = time.monotonic()
+    in_threads(clients, send)
+    return count / (time.monotonic() - begun)
+
+
 def all_jobs(server):
     jobs, path = [], "/api/v1/jobs?limit=1000"
     while path:
@@ -123,7 +135,7 @@ def all_jobs(server):
     return {job["jobID"]: job for job in jobs}
 
 
-def until_idle(server, seconds):
+def until_idle(server, seconds=300):
     """Waits until no job waits or runs."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:

@@ -84,7 +84,7 @@ def lay_out(schema):
 def check(server, told):
     """Everything of the old store is there, and what it had not done is done."""
     if told:
-        until_idle(server, 60)
+        until_idle(server)
         for state, job_id in told["jobs"].items():
             job = server.request("GET", f"/api/v1/jobs/{job_id}", check=False).json()
             expect(job["status"] == ("failed" if state == "failed" else "successful"), f"{state}: {job}")
@@ -112,7 +112,7 @@ def kill_at(schema, number):
     with FaultyServer("--slots", "1", "--quiet", data=data, write=number, form="kill", wait=False) as server:
         try:
             server.find_port()
-            until_idle(server, 30)
+            until_idle(server)
         except (AssertionError, OSError, ValueError, http.client.HTTPException):
             pass  # killed
         status = end_of(server, 5)
@@ -133,7 +133,7 @@ def upgrades(figures, long, rng):
     for schema in [None, *schemas]:
         data, told = lay_out(schema)
         with FaultyServer("--slots", "1", "--quiet", data=data, count_writes=True) as server:
-            until_idle(server, 30)
+            until_idle(server)
             writes = len(server.every_write())
             check(server, told)
             server.stop()

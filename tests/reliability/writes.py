@@ -25,7 +25,7 @@ def writes_of_a_session(uploads):
     with FaultyServer("--slots", "1", "--quiet", count_writes=True) as server:
         before = len(server.every_write())
         expect(len(session(server, uploads)) == uploads, "an upload was not accepted")
-        until_idle(server, 60)
+        until_idle(server)
         return server.every_write(), before
 
 
@@ -54,7 +54,7 @@ def strike(number, error, form, uploads):
         else:
             expect(status in ((-signal.SIGKILL,) if form == "kill" else (None, ENDED_BY_STORAGE)), f"the status is {status}")
         if status is None and form != "on":  # the disk is well again, and so is the server, with nobody's help
-            until_idle(server, 60)
+            until_idle(server)
             jobs = all_jobs(server)
             wrong = [jobs.get(i) for i in acknowledged if i not in jobs or jobs[i]["status"] != "successful"]
             expect(not wrong, f"after one failed write: {wrong[:1]}")
@@ -112,7 +112,7 @@ class HalfAnUpload:
                 s.sendall(self.rest)
             except (BrokenPipeError, ConnectionResetError):
                 pass  # answered before all was sent
-            return int(s.recv(4096).split()[1])
+            return int(s.makefile("rb").readline().split()[1])
 
 
 def while_full(server, old, seconds):
@@ -134,10 +134,10 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     old = server.wait(server.submit()["jobID"])["jobID"]
     for _ in range(40):  # SQLite has then written room for more than it needs just now
         server.submit(name="work-0.obj")
-    until_idle(server, 60)
+    until_idle(server)
     count, path = 300 if long else 60, f"/api/v1/jobs/{old}"
     before = latencies(server.port, path, count)
-    running = [server.submit(name="work-3000.obj")["jobID"] for _ in range(2)]
+    running = [server.submit(name="work-4000.obj")["jobID"] for _ in range(2)]  # they end while the disk is full
     waiting = [server.submit()["jobID"] for _ in range(3)]
     for job_id in running:
         server.wait(job_id, until=("running",))
@@ -146,7 +146,7 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     fill()
     expect(upload.status() == 507, "an upload that finds no more room is not told so")
     full = latencies(server.port, path, count)
-    refused = while_full(server, old, 120 if long else 4)
+    refused = while_full(server, old, 120 if long else 5)
     server.until("no unfinished upload is left", lambda: not os.listdir(data + "/spool"))
     states = {server.job(i)["status"] for i in running + waiting}
     expect(states <= {"accepted", "running"}, f"jobs ended on a full disk: {states}")
@@ -158,7 +158,7 @@ def hold_to_full_disk(figures, server, fill, empty, data, long):
     figures.bar("uploads_again_seconds", taken, most=5)
     figures.bar("jobs_again_seconds", time.monotonic() - begun, most=5)
     for job_id in running + waiting:
-        job = server.wait(job_id, timeout=120)
+        job = server.wait(job_id, timeout=600)
         expect(job["status"] == "successful", f"after the disk had room again: {job}")
     figures.put(uploads_refused=refused, all_ended_seconds=time.monotonic() - begun, get_before_p99=percentile(before, 0.99),
                 computed_twice=sum(server.job(i)["attempt"] - 1 for i in running + waiting))

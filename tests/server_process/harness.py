@@ -1,6 +1,7 @@
 """A real server process for the tests: started on a free port with a fresh data folder, spoken to by the standard
 library, every answer held to proto/openapi.yaml (as the server itself serves it)."""
 import base64
+import errno
 import fcntl
 import hashlib
 import http.client
@@ -73,12 +74,11 @@ class Server:
 
     def start(self, wait=True):
         self.log = open(self.data + ".log", "ab")
-        begin = self.log.tell()
+        self.begin = self.log.tell()
         listen = next((o for i, o in enumerate(self.options) if self.options[i - 1] == "--listen"), None)
         options = self.options if listen else ["--listen", f"127.0.0.1:{self.port}", *self.options]
         self.process = subprocess.Popen([*self.below, PROGRAM, "serve", "--data", self.data, *options], stderr=self.log,
                                         stdout=subprocess.DEVNULL, env=self.env)
-        self.begin = begin
         if wait:
             self.find_port()
 
@@ -91,6 +91,10 @@ class Server:
                 self.port = int(match.group(1))
                 return
             time.sleep(0.01)
+        if self.process.poll() is not None and not port_is_free(self.port):
+            self.port = 0  # somebody else got it while this server was down
+            self.log.close()
+            return self.start()
         raise AssertionError("the server did not start: " + self.log_bytes(self.begin).decode(errors="replace")[-2000:])
 
     def log_bytes(self, begin=0):
@@ -99,7 +103,15 @@ class Server:
             return f.read()
 
     def log_lines(self):
-        return [json.loads(line) for line in self.log_bytes().splitlines() if line.startswith(b"{")]
+        """What was logged; the last line only when it is whole."""
+        whole = self.log_bytes().rpartition(b"\n")[0]
+        return [json.loads(line) for line in whole.splitlines() if line.startswith(b"{")]
+
+    def logged(self, request):
+        """The lines about the request of this id, the one about its end included: it is written after the answer went."""
+        told = lambda: [line for line in self.log_lines() if line.get("request") == request]
+        self.until("the request is logged", lambda: any(line["msg"] == "request" for line in told()))
+        return told()
 
     def stop(self, sig=signal.SIGTERM, timeout=40):
         """Ends the process; its exit status."""
@@ -128,7 +140,10 @@ class Server:
     def request(self, method, path, body=None, headers=None, timeout=60, check=True):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
         try:
-            connection.request(method, path, body=body, headers=headers or {})
+            try:
+                connection.request(method, path, body=body, headers=headers or {})
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # answered before all was sent; without an answer the next line fails
             response = connection.getresponse()
             data = response.read()
             answer = Answer(response.status, response.headers, data)
@@ -152,8 +167,9 @@ class Server:
     def job(self, job_id):
         return self.get(f"/api/v1/jobs/{job_id}").json()
 
-    def wait(self, job_id, timeout=30, until=("successful", "failed", "dismissed")):
-        deadline = time.monotonic() + timeout * PATIENCE
+    def wait(self, job_id, timeout=600, until=("successful", "failed", "dismissed")):
+        """The job when it has come so far. Given up late: jobs give way, on a busy machine they get a tenth of a processor."""
+        deadline = time.monotonic() + timeout
         while time.monotonic() < deadline:
             job = self.job(job_id)
             if job["status"] in until:
@@ -161,7 +177,7 @@ class Server:
             time.sleep(0.02)
         raise AssertionError(f"the job did not get to {until}: {job}")
 
-    def until(self, what, good, timeout=30):
+    def until(self, what, good, timeout=300):
         """Waits until good() holds; `what` is told when it does not come to that."""
         deadline = time.monotonic() + timeout
         while not good():
@@ -177,7 +193,7 @@ class Server:
         """Waits until no job has a process or a folder."""
         self.until("nothing is left of the jobs", lambda: not self.children() and not os.listdir(self.data + "/work"))
 
-    def raw(self, data, timeout=20, close_write=False):
+    def raw(self, data, timeout=60, close_write=False):
         """Sends bytes as they are; everything that comes back until the connection ends."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=timeout) as s:
             try:
@@ -207,7 +223,7 @@ class Server:
         self.contract.check(method, path, answer)
 
     def children(self):
-        """Process ids of the jobs' processes."""
+        """Process ids of the jobs' processes, those included that have ended a moment ago."""
         listed = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.pid)], stdout=subprocess.PIPE)
         return [int(p) for p in listed.stdout.split()]
 
@@ -223,6 +239,19 @@ class Server:
             return 0
         with open(f"/proc/{self.process.pid}/status") as f:
             return int(re.search(r"VmRSS:\s+(\d+)", f.read()).group(1)) * 1024
+
+
+def port_is_free(port):
+    """Whether a server may listen there; 0 always is. SO_REUSEADDR, as the server has it: old connections do not count."""
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            s.bind(("127.0.0.1", port))
+            return True
+        except OSError as e:
+            if e.errno != errno.EADDRINUSE:
+                raise
+            return False
 
 
 def default_parameters():

@@ -31,7 +31,7 @@ class RealPipeline(ServerCase):
         self.assertEqual(job["inputs"]["mesh"]["format"], "obj")
         self.assertEqual(job["parameters"]["e_max"], 0.02)
         self.assertEqual(job["tag"], "first")
-        job = self.server.wait(job["jobID"], timeout=120)
+        job = self.server.wait(job["jobID"])
         self.assertEqual(job["status"], "successful", job)
         self.assertEqual(job["progress"], 100)
         self.assertGreaterEqual(job["report"]["patches"], 1)
@@ -507,10 +507,11 @@ class Description(ServerCase):
 
     def test_metrics(self):
         self.server.wait(self.server.submit()["jobID"])
+        upload = 'sheetform_http_requests_total{route="/api/v1/processes/{processID}/execution",method="POST",code="201"}'
+        self.server.until("the upload is counted", lambda: upload in self.server.get("/metrics").body.decode())  # after its answer
         text = self.server.get("/metrics").body.decode()
         for state in ("accepted", "running", "successful", "failed", "dismissed"):
             self.assertIn(f'sheetform_jobs{{state="{state}"}}', text)
-        self.assertIn('sheetform_http_requests_total{route="/api/v1/processes/{processID}/execution",method="POST",code="201"}', text)
         for line in text.splitlines():
             self.assertRegex(line, r'^(# (HELP|TYPE) .+|[a-z_]+(\{([a-z]+="[^"]*",?)*\})? [0-9.e+-]+)$')
 

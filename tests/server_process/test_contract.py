@@ -103,7 +103,7 @@ class EveryResponse(unittest.TestCase):
             guides = {"seams": [{"points": [[1, 0, 0], [0, 1, 1]], "closed": False}]}
             body, kind = form([("mesh", "arc.obj", arc()), ("guides", "g.json", json.dumps(guides).encode())])
             done = self.expect(server, 201, "POST", EXECUTION, body, {"Content-Type": kind}).json()["jobID"]
-            server.wait(done, timeout=120)
+            server.wait(done)
             get(200, f"/api/v1/jobs/{done}/guides")
             exports = f"/api/v1/jobs/{done}/exports"
             get(200, exports)
@@ -112,7 +112,7 @@ class EveryResponse(unittest.TestCase):
             get(404, exports + "/nothing")
             self.too_many_exports(server, exports)
             sweep = self.expect(server, 201, "POST", SWEEP + "?e_max=0.02,0.05&effort=draft", arc(seed=3)).json()["jobID"]
-            server.wait(sweep, timeout=120)
+            server.wait(sweep)
             self.expect(server, 200, "POST", f"/api/v1/jobs/{sweep}/finish")
             self.expect(server, 201, "POST", f"/api/v1/jobs/{sweep}/points/0.02")
             self.expect(server, 200, "POST", f"/api/v1/jobs/{sweep}/points/0.02")

@@ -19,7 +19,7 @@ class Exports(ServerCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.job = cls.server.wait(cls.server.submit(arc(), name="my arc.obj", target_size=100)["jobID"], timeout=120)
+        cls.job = cls.server.wait(cls.server.submit(arc(), name="my arc.obj", target_size=100)["jobID"])
         assert cls.job["status"] == "successful", cls.job
         cls.base = f"/api/v1/jobs/{cls.job['jobID']}/exports"
 
@@ -56,7 +56,7 @@ class Exports(ServerCase):
         self.assertEqual(self.export("svg").body.count(b"<path"), self.export("svg", **named).body.count(b"<path"))
 
     def test_pictures_stand_as_the_job_says(self):
-        job = self.server.wait(self.server.submit(arc(seed=77), up="-y", material="plywood")["jobID"], timeout=120)
+        job = self.server.wait(self.server.submit(arc(seed=77), up="-y", material="plywood")["jobID"])
         self.assertEqual([job["parameters"][name] for name in ("up", "material")], ["-y", "plywood"])
         base = f"/api/v1/jobs/{job['jobID']}/exports"
         usual = {p["name"]: p["default"] for p in self.server.get(base).json()["parameters"]}
@@ -142,7 +142,7 @@ class OtherJobs(ServerCase):
         self.assert_problem(self.server.get(f"/api/v1/jobs/{job}/exports/svg"), 404, "no-such-output")
         waiting = self.server.submit(name="work-5000.obj")["jobID"]
         self.assert_problem(self.server.get(f"/api/v1/jobs/{waiting}/exports"), 404, "result-not-ready")
-        failed = self.server.wait(self.server.submit(name="refuse.obj")["jobID"], timeout=60)["jobID"]
+        failed = self.server.wait(self.server.submit(name="refuse.obj")["jobID"])["jobID"]
         self.assert_problem(self.server.get(f"/api/v1/jobs/{failed}/exports/svg"), 422, "unsupported-mesh")
 
 
@@ -154,7 +154,7 @@ class OwnProfiles(unittest.TestCase):
                 json.dump({"profiles": [{"name": "our-laser", "text": "The one by the door", "like": "boxes",
                                          "layers": {"cut_outer": {"colour": "#12ab34"}}}]}, f)
             with Server("--profiles", path, fake=False) as server:
-                job = server.wait(server.submit(arc())["jobID"], timeout=120)["jobID"]
+                job = server.wait(server.submit(arc())["jobID"])["jobID"]
                 drawn = server.get(f"/api/v1/jobs/{job}/exports/svg?profile=our-laser")
                 self.assertIn(b"#12ab34", drawn.body)
                 listed = server.get(f"/api/v1/jobs/{job}/exports").json()["parameters"]

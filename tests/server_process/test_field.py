@@ -24,7 +24,7 @@ class UserField(ServerCase):
             answer = self.upload(*(parts[::-1] if order else parts), ("seed", None, b"%d" % order))
             self.assertEqual(answer.status, 201, answer.body)
             self.assertEqual(answer.json()["inputs"]["mesh"]["faces"], faces)
-            job = self.server.wait(answer.json()["jobID"], timeout=120)
+            job = self.server.wait(answer.json()["jobID"])
             self.assertEqual(job["status"], "successful", job)
             self.assertTrue(any("field" in note for note in job["report"]["notes"]), job["report"])
             self.assertEqual(self.server.get(f"/api/v1/jobs/{job['jobID']}/input").body, mesh)

@@ -31,7 +31,7 @@ class UserGuides(ServerCase):
         for order in (0, 1):  # the guides may come before the mesh
             answer = self.upload(*(parts[::-1] if order else parts), ("seed", None, b"%d" % order))
             self.assertEqual(answer.status, 201, answer.body)
-            job = self.server.wait(answer.json()["jobID"], timeout=120)
+            job = self.server.wait(answer.json()["jobID"])
             self.assertEqual(job["status"], "successful", job)
             self.assertTrue(any("guides" in note for note in job["report"]["notes"]), job["report"])
             root = f"/api/v1/jobs/{job['jobID']}"
@@ -51,7 +51,7 @@ class UserGuides(ServerCase):
         answer = self.upload(("mesh", "a.obj", mesh), ("field", "f.rosy", field),
                              ("guides", None, json.dumps(self.middle(mesh)).encode()))
         self.assertEqual(answer.status, 201, answer.body)
-        job = self.server.wait(answer.json()["jobID"], timeout=120)
+        job = self.server.wait(answer.json()["jobID"])
         self.assertEqual(job["status"], "successful", job)
         self.assertEqual(self.server.get(f"/api/v1/jobs/{job['jobID']}/guides").json(), self.middle(mesh))
         notes = " ".join(job["report"]["notes"])
@@ -90,7 +90,7 @@ class UserGuides(ServerCase):
                 with open(path(name), "wb") as f:
                     f.write(content)
             run = lambda *more: subprocess.run([PROGRAM, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                               timeout=200)
+                                               timeout=900)
             done = run("decompose", path("arc.obj"), "-o", path("out"), "--guides", path("good.json"), "-q")
             self.assertEqual(done.returncode, 0, done.stderr)
             with open(path("out/layout.json")) as f:

@@ -11,6 +11,7 @@ import threading
 import time
 import unittest
 import urllib.parse
+from concurrent.futures import ThreadPoolExecutor
 
 from harness import EXECUTION, FAKE_WORKER, PATIENCE, Server, ServerCase, arc, main, unique_mesh
 
@@ -95,11 +96,11 @@ class Descriptors(HostileCase):
         def looked():
             for pid in set(server.children()) - nursery:
                 try:
-                    links = links_of(pid)
-                except (FileNotFoundError, PermissionError):
+                    before, links = links_of(pid), links_of(pid)
+                except OSError:
                     continue  # has ended meanwhile
-                # In its first moments it has not yet closed what it is not to have.
-                if links and max(links) <= 6:
+                # In its first moments it has not yet closed what it is not to have, and may do so while it is looked at.
+                if links and links == before and max(links) <= 6:
                     seen[pid] = links
             return bool(seen)
         server.until("a child could be looked at", looked)
@@ -159,7 +160,7 @@ class FewDescriptors(HostileCase):
         job = self.server.submit(name="work-1500.obj")["jobID"]
         busy = self.open_many(200, BEGUN_UPLOAD)
         told = b""
-        deadline = time.monotonic() + 10
+        deadline = time.monotonic() + 30
         while b" 503 " not in told and time.monotonic() < deadline:
             told = self.server.raw(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertIn(b'"fix":"try again in a second"', told)
@@ -176,15 +177,15 @@ class Waiting(HostileCase):
         before = self.gauge("sheetform_http_shed_total")
         idle = self.open_many(2048 + 60)
         self.assertEqual(len(idle), 2048 + 60)
-        begun = time.monotonic()
-        self.assertEqual(self.server.get("/healthz").status, 200)
-        self.assertLess(time.monotonic() - begun, 3)
-        self.assertGreaterEqual(self.gauge("sheetform_http_shed_total") - before, 60)
-        self.assertLessEqual(self.gauge("sheetform_http_waiting"), 2048)
-        self.server.until("the first are closed", lambda: all(self.is_closed(s) for s in idle[:60]), timeout=5)
-        idle[-1].setblocking(True)
+        # All within the time that the server gives idle connections.
         idle[-1].sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         self.assertTrue(idle[-1].makefile("rb").readline().startswith(b"HTTP/1.1 200"))
+        begun = time.monotonic()
+        self.assertTrue(self.server.raw(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").startswith(b"HTTP/1.1 200"))
+        self.assertLess(time.monotonic() - begun, 5)
+        self.assertGreaterEqual(self.gauge("sheetform_http_shed_total") - before, 60)
+        self.assertLessEqual(self.gauge("sheetform_http_waiting"), 2048)
+        self.server.until("the first are closed", lambda: all(self.is_closed(s) for s in idle[:60]))
 
 
 class Ranges(HostileCase):
@@ -198,14 +199,11 @@ class Ranges(HostileCase):
 
         def ask(ranges):
             answer = self.server.request("GET", path, headers={"Range": "bytes=" + ranges}, check=False)
-            self.assertEqual((answer.status, answer.body == whole), (200, True), ranges[:50])
+            return answer.status, answer.body == whole
         for ranges in lists:
             self.assertLess(len(ranges), 15000)
-            threads = [threading.Thread(target=ask, args=(ranges,)) for _ in range(20)]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
+            with ThreadPoolExecutor(20) as pool:
+                self.assertEqual(set(pool.map(ask, [ranges] * 20)), {(200, True)}, ranges[:50])
         many = "".join(f"Range: bytes={i}-\r\n" for i in range(60)).encode()
         received = self.server.raw(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n".encode() + many + b"\r\n")
         self.assertTrue(received.startswith(b"HTTP/1.1 200") and received.endswith(whole))
@@ -401,7 +399,7 @@ class Injection(HostileCase):
     """Line breaks and control characters, wherever a request may have them, end up in no header and no line of the log."""
 
     def tearDown(self):
-        log = self.server.log_bytes()
+        log = self.server.log_bytes().rpartition(b"\n")[0]  # whole lines
         for line in log.splitlines():
             self.assertLessEqual({"ts", "level", "msg"}, set(json.loads(line)), line)
             self.assertIsNone(re.search(rb"[^\x20-\x7e]", line), line)
@@ -494,10 +492,9 @@ class Faults(unittest.TestCase):
             self.assertNotIn(secret, text)
         self.assertEqual(answer.headers["X-Request-Id"], problem["requestId"])
         self.assertIn("requestId", problem["fix"])
-        lines = server.log_lines()
-        told = [line for line in lines if line.get("request") == problem["requestId"]]
+        told = server.logged(problem["requestId"])
         self.assertEqual((told[-1]["msg"], told[-1]["status"]), ("request", 500))
-        reasons = [line["reason"] for line in lines if line["level"] == "error"]
+        reasons = [line["reason"] for line in server.log_lines() if line["level"] == "error"]
         self.assertTrue(reasons and reason in reasons[-1], reasons)
         return told
 

@@ -242,12 +242,12 @@ class Advice(ServerCase):
 
 class Expect(ServerCase):
     def test_refusal_comes_before_the_body(self):
-        with socket.create_connection(("127.0.0.1", self.server.port), timeout=10) as s:
+        with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as s:
             s.sendall(b"POST /nothing HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\nExpect: 100-continue\r\n\r\n")
             self.assertTrue(s.makefile("rb").readline().startswith(b"HTTP/1.1 404"))
 
     def test_continue_then_answer(self):
-        with socket.create_connection(("127.0.0.1", self.server.port), timeout=10) as s:
+        with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as s:
             s.sendall(POST + b"Content-Length: %d\r\nExpect: 100-continue\r\n\r\n" % len(TRIANGLE))
             answer = s.makefile("rb")
             self.assertEqual(answer.readline() + answer.readline(), b"HTTP/1.1 100 Continue\r\n\r\n")
@@ -288,7 +288,7 @@ class Sizes(ServerCase):
 
 class Slow(ServerCase):
     def open(self, data=b""):
-        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=30)
+        s = socket.create_connection(("127.0.0.1", self.server.port), timeout=60)
         s.sendall(data)
         self.addCleanup(s.close)
         return s
@@ -318,7 +318,7 @@ class Slow(ServerCase):
         thread = threading.Thread(target=drip)
         thread.start()
         try:
-            self.assertLess(self.worst_of(), 3)
+            self.assertLess(self.worst_of(), 5)
         finally:
             stop.set()
             thread.join()
@@ -336,7 +336,7 @@ class Slow(ServerCase):
             s.sendall(f"GET /api/v1/jobs/{job}/results/big.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
             self.addCleanup(s.close)
             readers.append(s)
-        self.assertLess(self.worst_of(), 3)
+        self.assertLess(self.worst_of(), 5)
         self.assertEqual((len(uploads), len(readers)), (32, 64))
 
     def test_more_uploads_than_threads_are_told_to_come_again(self):
@@ -349,14 +349,14 @@ class Slow(ServerCase):
             self.assertIn(b"Retry-After: 1", header)
             return json.loads(body)
         uploads = [self.open(POST + b"Content-Length: 100000\r\n\r\nv 0 ") for _ in range(520)]
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while (told := problem()) is None and time.monotonic() < deadline:
             time.sleep(0.05)
         self.assertEqual((told["status"], told["type"]), (503, "urn:sheetform:problem:overloaded"))
         self.assertTrue(told["detail"] and told["fix"])
         for s in uploads:
             s.close()
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while problem() is not None and time.monotonic() < deadline:
             time.sleep(0.05)
         self.assertIsNone(problem(), "the server does not recover")

@@ -62,7 +62,7 @@ class BadMeshes(ServerCase):
                 self.assertRegex(problem["type"], "(unreadable-mesh|unsupported-mesh|limit-exceeded)$")
                 self.assertTrue(problem["detail"] and problem["fix"], problem)
                 self.assertFalse(problem["retryable"])
-                self.assertLess(time.monotonic() - begun, 5 * PATIENCE)
+                self.assertLess(time.monotonic() - begun, 20 * PATIENCE)  # tests/reliability holds them to a second
 
     def test_what_curl_does_wrong_is_told_as_such(self):
         form = {"Content-Type": "application/x-www-form-urlencoded"}  # what curl calls every body
@@ -90,7 +90,7 @@ class BadMeshes(ServerCase):
     def test_meshes_that_need_repair_are_taken(self):
         fan = OBJ + b"v 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"  # three faces at one edge
         job = self.server.submit(fan, name="fan.obj")
-        job = self.server.wait(job["jobID"], timeout=60)
+        job = self.server.wait(job["jobID"])
         self.assertIn(job["status"], ("successful", "failed"))
         if job["status"] == "failed":
             self.assertEqual(job["exception"]["status"], 422, job)

@@ -43,7 +43,7 @@ class Sweep(ServerCase):
         answer = cls.server.request("POST", SWEEP + QUERY + "&tag=cap&filename=cap.obj", bowl())
         assert answer.status == 201, answer.body
         cls.accepted = answer.json()
-        cls.job = cls.server.wait(answer.json()["jobID"], timeout=120)
+        cls.job = cls.server.wait(answer.json()["jobID"])
         cls.base = f"/api/v1/jobs/{cls.job['jobID']}"
 
     def open(self, point, status):
@@ -104,7 +104,7 @@ class Sweep(ServerCase):
 
     def test_a_point_outlives_its_sweep(self):
         answer = self.server.request("POST", SWEEP + QUERY, bowl(around=15))
-        sweep = self.server.wait(answer.json()["jobID"], timeout=120)
+        sweep = self.server.wait(answer.json()["jobID"])
         point = self.server.request("POST", f"/api/v1/jobs/{sweep['jobID']}/points/0.06").json()
         self.server.request("DELETE", f"/api/v1/jobs/{sweep['jobID']}")
         files = self.server.get(f"/api/v1/jobs/{point['jobID']}/results").json()
@@ -170,7 +170,7 @@ class Sweep(ServerCase):
         answer = self.server.request("POST", SWEEP + "?e_max=0.01,0.02,0.04", bowl(around=24, up=8))
         self.server.wait(answer.json()["jobID"], until=("running", "successful"))
         self.server.restart(signal.SIGKILL)
-        job = self.server.wait(answer.json()["jobID"], timeout=120)
+        job = self.server.wait(answer.json()["jobID"])
         self.assertEqual(job["status"], "successful", job)
         self.assertEqual(len(job["report"]["curve"]), 3)
 
@@ -187,11 +187,11 @@ class OutOfTime(ServerCase):
         unlimited = cls.server.options
         for around in range(64, 68):
             cls.mesh, begun = bowl(around=around, up=24), time.monotonic()
-            cls.server.wait(cls.server.submit(cls.mesh, name="cap.obj", e_max=cls.TOLERANCES[0])["jobID"], timeout=300)
+            cls.server.wait(cls.server.submit(cls.mesh, name="cap.obj", e_max=cls.TOLERANCES[0])["jobID"])
             seconds = time.monotonic() - begun
             cls.server.options = [*unlimited, "--job-seconds", str(max(1, round(3.5 * seconds)))]
             cls.server.restart(signal.SIGTERM)
-            cls.job = cls.server.wait(cls.submit()["jobID"], timeout=600)
+            cls.job = cls.server.wait(cls.submit()["jobID"])
             if cls.job.get("report", {}).get("missing"):
                 return
 
@@ -256,7 +256,7 @@ class Finished(ServerCase):
         job, at = self.begin(0)
         at(2)
         self.assertEqual(self.finish(job).status, 200)
-        ended = self.server.wait(job, timeout=60)
+        ended = self.server.wait(job)
         self.assertEqual(ended["status"], "successful", ended)
         report = ended["report"]
         self.assertTrue(report["stopped"])
@@ -274,7 +274,7 @@ class Finished(ServerCase):
     def test_before_the_first_point_it_ends_with_that(self):
         job, _ = self.begin(1)
         self.assertEqual(self.finish(job).status, 200)
-        report = self.server.wait(job, timeout=300)["report"]
+        report = self.server.wait(job)["report"]
         self.assertEqual((len(report["curve"]), report["stopped"]), (1, True))
 
     def test_a_restart_forgets_the_wish_and_loses_no_point(self):
@@ -282,7 +282,7 @@ class Finished(ServerCase):
         at(2)
         self.assertEqual(self.finish(job).status, 200)
         self.server.restart(signal.SIGKILL)
-        ended = self.server.wait(job, timeout=60)
+        ended = self.server.wait(job)
         if ended["attempt"] == 1:
             self.skipTest("it had ended before the kill")
         self.assertEqual(len(ended["report"]["curve"]), len(self.TOLERANCES))

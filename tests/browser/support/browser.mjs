@@ -9,7 +9,7 @@ const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const NOISE = /GPU stall due to ReadPixels|swiftshader|SwiftShader|GroupMarkerNotSet/;
 
 /** Milliseconds a single step may take: only a defect takes that long, however busy the machine is. */
-const PATIENCE = 120000;
+const PATIENCE = 300000;
 
 export async function launch() {
   return chromium.launch({

@@ -1,7 +1,6 @@
 // A real server process for the tests of the page: own port, own data folder, its output kept.
 import { spawn } from "node:child_process";
 import { mkdtemp, rm } from "node:fs/promises";
-import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
@@ -11,22 +10,13 @@ const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../../.
 const PAGE = process.env.SHEETFORM_WEB_DIR ? ["--web-dir", process.env.SHEETFORM_WEB_DIR] : [];
 const PROGRAM = process.env.SHEETFORM_PROGRAM ?? path.join(ROOT, "build/release/sheetform");
 
-async function freePort() {
-  const probe = createServer();
-  await new Promise((resolve) => probe.listen(0, "127.0.0.1", resolve));
-  const { port } = probe.address();
-  await new Promise((resolve) => probe.close(resolve));
-  return port;
-}
-
 export class Server {
   /** Starts the program and resolves when it answers /healthz. */
   static async start(options = []) {
     const server = new Server();
-    server.port = await freePort();
+    server.port = 0; // any that is free, and the same when it is started again
     server.data = await mkdtemp(path.join(tmpdir(), "sheetform-page-"));
     server.options = options;
-    server.url = `http://127.0.0.1:${server.port}/`;
     await server.begin();
     return server;
   }
@@ -48,8 +38,10 @@ export class Server {
       });
     for (let attempt = 0; attempt < 1200; attempt++) {
       if (this.process.exitCode !== null) break;
+      this.port ||= Number(/"url":"http:\/\/127\.0\.0\.1:(\d+)"/.exec(this.output)?.[1] ?? 0);
+      this.url = `http://127.0.0.1:${this.port}/`;
       try {
-        if ((await fetch(`${this.url}healthz`)).ok) return;
+        if (this.port > 0 && (await fetch(`${this.url}healthz`)).ok) return;
       } catch {
         /* not yet listening */
       }

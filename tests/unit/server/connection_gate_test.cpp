@@ -79,12 +79,14 @@ class RunningGate {
     thread_.join();
   }
 
-  Descriptor connect(const std::string& text = {}) const {
+  Descriptor connect(const std::string& text = {}, std::uint32_t from = INADDR_LOOPBACK) const {
     Descriptor s(::socket(AF_INET, SOCK_STREAM, 0));
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
+    sockaddr_in own{}, to{};
+    own.sin_family = to.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(from);
     to.sin_port = htons(static_cast<std::uint16_t>(port_));
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::bind(s.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
     EXPECT_EQ(::connect(s.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     EXPECT_TRUE(write_whole(s.get(), text));
     return s;
@@ -181,6 +183,29 @@ TEST(ConnectionGate, TheOldestGoWhenTooManyWait) {
   EXPECT_EQ(gate.shed(), 2u);
   EXPECT_TRUE(write_whole(idle[2].get(), std::string(kRequest).substr(3)));
   EXPECT_TRUE(gate.until_arrived(1));
+}
+
+TEST(ConnectionGate, WhoHoldsMostMakesRoom) {
+  GateLimits limits;
+  limits.waiting = 6;
+  RunningGate gate(limits);
+  const std::uint32_t others = INADDR_LOOPBACK + 1;
+  const Descriptor oldest = gate.connect("GET", others);
+  ASSERT_TRUE(gate.until_waiting(1));
+  std::vector<Descriptor> greedy;
+  for (int i = 0; i < 10; ++i) {
+    greedy.push_back(gate.connect("GET"));
+    ASSERT_TRUE(gate.until_waiting(std::min(i + 2, 6)));
+  }
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(becomes_ready(greedy[i].get(), std::chrono::seconds(10)));
+  EXPECT_EQ(gate.shed(), 5u);
+  const Descriptor newest = gate.connect("GET", others);
+  EXPECT_TRUE(becomes_ready(greedy[5].get(), std::chrono::seconds(10)));
+  for (const Descriptor* kept : {&oldest, &newest}) {
+    EXPECT_FALSE(becomes_ready(kept->get(), milliseconds(20)));
+    EXPECT_TRUE(write_whole(kept->get(), std::string(kRequest).substr(3)));
+  }
+  EXPECT_TRUE(gate.until_arrived(2));
 }
 
 TEST(ConnectionGate, ConnectionsStayOutOfChildren) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -342,6 +343,36 @@ TEST_F(JobStoreTest, ListsByFilterAndPage) {
   filter = JobFilter();
   filter.states = {JobState::kRunning};
   EXPECT_TRUE(store_.list(filter).empty());
+}
+
+TEST_F(JobStoreTest, ListsByStateAsByLookingAtEveryJob) {
+  const std::int64_t other = store_.principal_id("other");
+  for (int i = 0; i < 40; ++i) store_.accept(new_job(i % 2 == 0 ? 0 : other, "x"));
+  for (int i = 0; i < 20; ++i) {
+    const ClaimedJob claimed = *store_.claim(now_us());
+    if (i % 3 == 0) store_.dismiss(claimed.job.id, now_us() + kDay);
+    if (i % 3 == 1) store_.requeue(claimed, Requeue::kError, now_us() + kDay, "later");
+  }
+  JobFilter filter;
+  filter.limit = 100;
+  const std::vector<JobRecord> all = store_.list(filter);
+  const std::array states{JobState::kAccepted, JobState::kRunning, JobState::kDismissed, JobState::kFailed};
+  for (unsigned chosen = 1; chosen < 16; ++chosen)
+    for (const bool own : {false, true}) {
+      filter = JobFilter();
+      filter.limit = 5;
+      filter.after = {all[10].created, all[10].id};
+      if (own) filter.principal = other;
+      for (std::size_t s = 0; s < states.size(); ++s)
+        if ((chosen >> s & 1U) != 0) filter.states.push_back(states[s]);
+      std::vector<std::string> expected, listed;
+      for (std::size_t i = 11; i < all.size() && expected.size() < 5; ++i)
+        if (std::count(filter.states.begin(), filter.states.end(), all[i].state) > 0 &&
+            (!own || all[i].principal == other))
+          expected.push_back(all[i].id);
+      for (const JobRecord& job : store_.list(filter)) listed.push_back(job.id);
+      EXPECT_EQ(listed, expected) << chosen << own;
+    }
 }
 
 TEST_F(JobStoreTest, TextsOfStrangersAreOnlyTexts) {
