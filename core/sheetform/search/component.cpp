@@ -32,6 +32,7 @@ constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
 constexpr double kHopeless = 1.5;  // the same of a whole result: another search would not meet it either
+constexpr double kBehind = 1.5;    // multiple of another pass's excess beyond which a pass is given up
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
@@ -373,7 +374,7 @@ class ComponentRun {
         (parts > kManyParts && round >= kOutlineRounds))
       return best;
     for (std::size_t k = outline + 1; k < outlines.size() && !best.good(); ++k) {
-      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds, best.bad());
+      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds, &best);
       if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outline = k;
     }
     SpacingBounds narrow = bounds;
@@ -386,9 +387,9 @@ class ComponentRun {
     return best;
   }
 
-  // Given up where as many patches as `to_beat` stay invalid.
+  // Given up where it will not be better than `to_beat`.
   Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds,
-                std::size_t to_beat = std::numeric_limits<std::size_t>::max()) {
+                const Attempt* to_beat = nullptr) {
     EvaluationParams fine = params_.evaluation;
     fine.e_max *= params_.margin;
     fine.normal_deviation *= params_.margin;
@@ -402,7 +403,7 @@ class ComponentRun {
     return best;
   }
 
-  Attempt best_of(FinalPass& pass, const EvaluationParams& fine, std::size_t to_beat) {
+  Attempt best_of(FinalPass& pass, const EvaluationParams& fine, const Attempt* to_beat) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       context_.checkpoint();
@@ -417,12 +418,13 @@ class ComponentRun {
       stale = better ? 0 : stale + 1;
       pass.draw_to(attempt.far);
       bool eased = pass.plainer(attempt.hard);
-      const bool mended = pass.plainer(attempt.invalid), lost = attempt.invalid.size() >= to_beat && !mended;
+      const bool mended = pass.plainer(attempt.invalid);
+      const bool stuck = to_beat != nullptr && attempt.invalid.size() >= to_beat->bad() && !mended;
       eased |= mended;
       const std::vector<int> too_far = attempt.too_far;
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
       if (best.invalid.empty() && best.miss > kLost && stale >= 4) break;
-      if (lost) break;
+      if (stuck || (step > 0 && to_beat != nullptr && far_behind(best, *to_beat))) break;
       if (eased) continue;
       if (too_far.empty()) break;
       if (stale >= 2) {
@@ -431,6 +433,10 @@ class ComponentRun {
       }
     }
     return best;
+  }
+
+  static bool far_behind(const Attempt& now, const Attempt& other) {
+    return now.bad() > other.bad() && now.miss - 1 > kBehind * (other.miss - 1);
   }
 
   // Small steps towards a tolerance that is far off lead nowhere.

@@ -158,10 +158,16 @@ FinishedLayout FinalPass::solve(int rounds) {
   flatten(e.unknowns, e.on_plane, kAlmostPlane * evaluator_.params().e_max, e.position);
   FinishedLayout out;
   out.source.points = e.position;
-  for (int p = 0; p < static_cast<int>(layout_.patches.size()); ++p) {
-    out.source.patches.push_back(strip_patch(layout_, p, *patches_[p], e.unknowns[p]));
-    if (hopeless_[p] || !flat_layout_valid(out.source, out.source.patches.back())) out.failing.push_back(p);
-  }
+  const auto n = static_cast<int>(layout_.patches.size());
+  out.source.patches.resize(n);
+  std::vector<char> fails(n);
+  parallel_for(context_, n, [&](int p) {
+    StripSource::Patch& patch = out.source.patches[p];
+    patch = strip_patch(layout_, p, *patches_[p], e.unknowns[p]);
+    fails[p] = hopeless_[p] || !flat_layout_valid(out.source, patch);
+  });
+  for (int p = 0; p < n; ++p)
+    if (fails[p]) out.failing.push_back(p);
   for (std::size_t a = 0; a < layout_.arches.size(); ++a) {
     const Arch& arch = layout_.arches[a];
     int left = arch.left, right = arch.right;
