@@ -5,7 +5,6 @@
 #include <deque>
 #include <functional>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <tuple>
