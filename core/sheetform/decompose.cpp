@@ -71,7 +71,9 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
 
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
 constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
-constexpr double kMostCloser = 0.3;         // of the tolerance: so much closer a symmetric result may be held
+// Of the tolerance: so far a mesh may be from its likeness in a given plane. Sheets between one side and the
+// image of the other are near enough to both up to twice the tolerance, but something has to be left to them.
+constexpr double kAsymmetry = 1.6;
 // How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
 constexpr double kDrawnSlack = 0.005;
 
@@ -292,7 +294,7 @@ std::optional<SymmetricHalf> half_to_solve(const SurfaceMesh& mesh, const Normal
     const Plane& given = d.params.plane;
     const Plane plane{given.normal, (given.offset - given.normal.dot(norm.centre)) / norm.diagonal};
     Asymmetry why;
-    half = symmetric_half(mesh, plane, 0.9 * d.params.e_max, 0.05 * d.params.e_max, why);
+    half = symmetric_half(mesh, plane, kAsymmetry * d.params.e_max, 0.05 * d.params.e_max, why);
     if (!half)
       throw Error(
           ErrorCode::kUnsupportedMesh, "the mesh is not symmetric in the given plane: " + why.text,
@@ -305,7 +307,10 @@ std::optional<SymmetricHalf> half_to_solve(const SurfaceMesh& mesh, const Normal
   d.mirror_plane = d.params.plane;
   if (half->deviation > 0.01 * d.params.e_max)
     d.report.notes.push_back("the input deviates from a symmetric one by " + percent(half->deviation) +
-                             " of the diagonal; the result is exactly symmetric");
+                             " of the diagonal; the result is exactly symmetric" +
+                             (half->deviation > d.params.e_max
+                                  ? ", between the two sides, and without symmetry fewer parts may do"
+                                  : ""));
   return half;
 }
 
@@ -349,6 +354,8 @@ class Sweep {
     const SurfaceMesh& mesh;
     const ComponentGuides& guides;
     std::shared_ptr<const ClosestPointTree> tree;
+    TriangleSoup whole;  // of a half: see ComponentInput
+    std::shared_ptr<const ClosestPointTree> whole_tree;
     std::vector<ComponentResult> best;  // by tolerance
     std::size_t finished;               // so many tolerances have their strips
     bool finishing;                     // what is thrown now is no matter of the search
@@ -369,9 +376,15 @@ class Sweep {
     mesh_ = repaired_.mesh;
     for (Vector3& p : mesh_.points) p = norm_.in(p);
     half_ = half_to_solve(mesh_, norm_, common_, context_);
-    if (half_) mesh_ = half_->mesh;
+    if (half_) take_half();
     if (guides_ != nullptr && !guides_->empty()) prepare_guides();
     if (field_ != nullptr) prepare_field();
+  }
+
+  void take_half() {
+    whole_ = std::move(mesh_);
+    for (Vector3& p : whole_.points) p = half_->frame.in(p);
+    mesh_ = half_->mesh;
   }
 
   // Strokes in the coordinates of mesh_.
@@ -403,11 +416,6 @@ class Sweep {
     user_tree_ = ClosestPointTree(user_soup_.points, user_soup_.faces, context_);
   }
 
-  // What is left of the tolerance; the two distances hardly ever add up in one place.
-  double reach(double e_max) const {
-    return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) - closer_ : e_max;
-  }
-
   ComponentInput component_input(const Piece& piece, const Variant& variant, const RunContext& context) {
     ComponentInput input;
     input.prepared = working_mesh(
@@ -417,6 +425,7 @@ class Sweep {
     input.reference = {piece.mesh.points, piece.mesh.faces};
     input.tree = piece.tree;
     input.half = half_.has_value();
+    input.whole = piece.whole, input.whole_tree = piece.whole_tree;
     if (field_ == nullptr) return input;
     input.guide = carry_guide(*field_, user_soup_, user_tree_, input.prepared.mesh);
     if (half_)
@@ -441,10 +450,17 @@ class Sweep {
   void decompose_components(std::vector<Decomposition>& results) {
     const auto [component, count] = face_components(mesh_);
     const std::vector<ComponentGuides> guides = guides_by_component(strokes_, mesh_, component, count);
+    std::vector<TriangleSoup> wholes;
+    if (half_) wholes = wholes_of_halves(whole_, mesh_, component, count);
     for (int c = 0; c < count; ++c) {
       const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
-      Piece piece{c, count, mesh, guides[c], nullptr, {}, 0, false};
+      Piece piece{c, count, mesh, guides[c], nullptr, {}, nullptr, {}, 0, false};
       piece.tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
+      if (half_) {
+        piece.whole = std::move(wholes[c]);
+        piece.whole_tree =
+            std::make_shared<const ClosestPointTree>(piece.whole.points, piece.whole.faces, context_);
+      }
       decompose_piece(piece, results);
     }
   }
@@ -471,16 +487,16 @@ class Sweep {
   void run(Piece& piece, const Variant& variant, bool last, const RunContext& whole,
            std::vector<Decomposition>& results) {
     const auto start = Clock::now();
-    std::vector<double> reaches;
-    for (const Decomposition& d : results) reaches.push_back(reach(d.params.e_max));
+    std::vector<double> tolerances;
+    for (const Decomposition& d : results) tolerances.push_back(d.params.e_max);
     std::size_t at = 0;
     RunContext part = by_tolerance(whole, results, at);
     part.report(Stage::kPrepare, 0);
     const ComponentInput input = component_input(piece, variant, part);
     results[0].report.timings["prepare"] += seconds_since(start);
     const ComponentParams params =
-        component_params(common_.params, reaches[0], spacing_bounds(common_.params, norm_), variant);
-    sweep_component(input, params, reaches, part, [&](std::size_t k, ComponentResult fresh) {
+        component_params(common_.params, tolerances[0], spacing_bounds(common_.params, norm_), variant);
+    sweep_component(input, params, tolerances, part, [&](std::size_t k, ComponentResult fresh) {
       take(k, std::move(fresh), results[k], piece.best);
       if (last) finish(piece, results, part);
       at = k + 1;
@@ -529,7 +545,6 @@ class Sweep {
       return;
     }
     fill_report(d, norm_, d.params.e_max);
-    if (half_ && !d.report.e_max_met && solve_closer(d, context)) return;
     report_normals(d);
     report_bending(d);
     report_spacing(d, norm_);
@@ -552,25 +567,6 @@ class Sweep {
     notes.insert(notes.end(), unmet.begin(), unmet.end());
   }
 
-  // Where the sheets and the symmetric likeness of the input are off in one place after all: once more,
-  // closer to the likeness. Whether that is better.
-  bool solve_closer(Decomposition& d, RunContext& context) const {
-    const double e_max = d.params.e_max, closer = closer_ + 1.1 * (d.report.hausdorff - e_max);
-    if (closer > kMostCloser * e_max) return false;
-    DecomposeParams params = d.params;
-    params.e_max_mm.reset();
-    params.symmetry = SymmetryMode::kPlane;
-    Sweep again(input_, params, field_, guides_, context);
-    again.closer_ = closer;
-    Decomposition found = again.run({}).front();
-    if (!found.mirror_plane || found.report.hausdorff >= d.report.hausdorff) return false;
-    for (const auto& [name, s] : d.report.timings) found.report.timings[name] += s;
-    found.report.counts += d.report.counts;
-    found.params.symmetry = d.params.symmetry;
-    d = std::move(found);
-    return true;
-  }
-
   Decomposition without_symmetry(const Decomposition& d, RunContext& context) const {
     DecomposeParams plain = params_;
     plain.symmetry = SymmetryMode::kOff;
@@ -590,9 +586,9 @@ class Sweep {
   Decomposition common_;                             // what all results have in common
   RepairResult repaired_;
   Normalisation norm_;
-  SurfaceMesh mesh_;  // in diagonals around the origin, the half of a symmetric one
+  SurfaceMesh mesh_;   // in diagonals around the origin, the half of a symmetric one
+  SurfaceMesh whole_;  // of a half: the input that it and its image stand for, in the same coordinates
   std::optional<SymmetricHalf> half_;
-  double closer_ = 0;                     // of the tolerance: kept free for what a symmetric likeness is off
   std::vector<ComponentGuides> strokes_;  // in the coordinates of mesh_
   std::vector<char> followed_;            // by drawn seam: it is in the mesh
   TriangleSoup user_soup_;

@@ -16,6 +16,7 @@ constexpr double kDetail = 0.05;     // of the tolerance: what may be snapped to
 constexpr double kTrusted = 0.5;     // of the tolerance: a plane that is found has to fit that well
 constexpr double kAxisAngle = 1e-3;  // radians: a plane so near to an axis is tried there
 constexpr std::size_t kMostPlanes = 4;
+constexpr std::size_t kVoters = 100;  // vertices that tell which half a surface belongs to
 
 struct Pair {
   Vector3 from, to;  // a point of one mesh, and the nearest one of the other
@@ -58,6 +59,26 @@ double cut_length(const SurfaceMesh& half, const PlaneBorder& border) {
   for (int e = 0; e < half.edge_count(); ++e)
     if (border.edge[e]) sum += half.edge_length(e);
   return sum;
+}
+
+// Which component of the half most vertices of each component of the whole, or their images, are nearest to.
+std::vector<int> nearest_components(const SurfaceMesh& whole, const std::vector<int>& own, int wholes,
+                                    const SurfaceMesh& half, const std::vector<int>& component, int count) {
+  if (count == 1) return std::vector<int>(wholes, 0);
+  const ClosestPointTree tree(half.points, half.faces);
+  std::vector<std::vector<int>> faces(wholes);
+  for (std::size_t f = 0; f < own.size(); ++f) faces[own[f]].push_back(static_cast<int>(f));
+  std::vector<int> nearest;
+  for (int c = 0; c < wholes; ++c) {
+    const std::size_t step = 1 + faces[c].size() / kVoters;
+    std::vector<int> votes(count, 0);
+    for (std::size_t i = 0; i < faces[c].size(); i += step) {
+      const Vector3& p = whole.points[whole.faces[faces[c][i]][0]];
+      ++votes[component[tree.closest({std::abs(p.x()), p.y(), p.z()}).face]];
+    }
+    nearest.push_back(static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin()));
+  }
+  return nearest;
 }
 
 // The plane along the nearest axis through the same place of the mesh, if that is nearly the same.
@@ -119,6 +140,25 @@ std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane
     return std::nullopt;
   }
   return half;
+}
+
+std::vector<TriangleSoup> wholes_of_halves(const SurfaceMesh& whole, const SurfaceMesh& half,
+                                           const std::vector<int>& component, int count) {
+  std::vector<TriangleSoup> of(count);
+  const auto [own, wholes] = face_components(whole);
+  const std::vector<int> to = nearest_components(whole, own, wholes, half, component, count);
+  std::vector<int> local(whole.points.size(), -1);  // each vertex is of one component
+  for (std::size_t f = 0; f < whole.faces.size(); ++f) {
+    TriangleSoup& soup = of[to[own[f]]];
+    std::array<int, 3> t = whole.faces[f];
+    for (int& v : t) {
+      if (local[v] < 0)
+        local[v] = static_cast<int>(soup.points.size()), soup.points.push_back(whole.points[v]);
+      v = local[v];
+    }
+    soup.faces.push_back(t);
+  }
+  return of;
 }
 
 std::optional<SymmetricHalf> find_symmetric_half(const SurfaceMesh& mesh, double e_max,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <deque>
 #include <functional>
 #include <iterator>
@@ -19,6 +20,7 @@
 #include "sheetform/search/spacing.h"
 #include "sheetform/search/stroke_ends.h"
 #include "sheetform/strip/certificate.h"
+#include "sheetform/strip/mirror_distance.h"
 
 namespace sheetform {
 namespace {
@@ -179,10 +181,10 @@ class ComponentRun {
     if (!input_.guide.empty()) follow_crosses(surface_.mesh, input_.guide, surface_.guide);
     surface_.curvature = &curvature_;
     surface_.input = &tree_;
-    surface_.details = find_details();
     surface_.elimination_rank = elimination_rank(surface_.mesh);
     surface_.crease = input_.prepared.crease_edge;
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
+    surface_.details = find_details();
     surface_.drawn_plane = input_.drawn_plane;
     if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;
     surface_.keep_out =
@@ -268,18 +270,35 @@ class ComponentRun {
     laps_.lap(Stage::kFinal);
   }
 
+  // Vertices of the input that may be farther than `least` from the working mesh. Of a half those on the side
+  // of its image too, mirrored.
+  std::vector<Vector3> far_from(const ClosestPointTree& working, double least) const {
+    std::vector<Vector3> far;
+    if (input_.whole.faces.empty()) {
+      for (const FarVertex& f : far_vertices(input_.reference.faces, tree_, working, least, context_))
+        far.push_back(input_.reference.points[f.vertex]);
+      return far;
+    }
+    const SurfaceMesh both = with_mirror_image(surface_.mesh, surface_.plane);
+    const ClosestPointTree tree(both.points, both.faces, context_);
+    for (const FarVertex& f : far_vertices(input_.whole.faces, *input_.whole_tree, tree, least, context_)) {
+      const Vector3& p = input_.whole.points[f.vertex];
+      far.emplace_back(std::abs(p.x()), p.y(), p.z());
+    }
+    return far;
+  }
+
   // Points of the input that the working mesh misses by more than a small share of the tolerance.
   std::vector<DetailPoint> find_details() const {
     const SurfaceMesh& mesh = input_.prepared.mesh;
     std::vector<DetailPoint> details;
-    if (!input_.prepared.remeshed) return details;
+    if (!input_.prepared.remeshed && input_.whole.faces.empty()) return details;
     const ClosestPointTree working(mesh.points, mesh.faces, context_);
     const double least = 0.06 * params_.evaluation.e_max;
-    const std::vector<FarVertex> may_be_far =
-        far_vertices(input_.reference.faces, tree_, working, least, context_);
+    const std::vector<Vector3> may_be_far = far_from(working, least);
     for (std::size_t i = 0; i < may_be_far.size(); ++i) {
       if (i % 4096 == 0) context_.checkpoint();
-      const Vector3& p = input_.reference.points[may_be_far[i].vertex];
+      const Vector3& p = may_be_far[i];
       const ClosestPoint hit = working.closest(p);
       if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
     }
@@ -466,8 +485,7 @@ class ComponentRun {
     });
     for (int p = 0; p < parts; ++p)
       if (is_invalid[p]) attempt.invalid.push_back(p);
-    DistanceReport d = find_far(input_.reference, tree_, attempt.strips,
-                                params_.margin * params_.evaluation.e_max, context_);
+    DistanceReport d = far_places(attempt.strips);
     attempt.distance = d.hausdorff();
     attempt.miss = attempt.distance / params_.evaluation.e_max;
     attempt.far = std::move(d.far);
@@ -481,14 +499,27 @@ class ComponentRun {
     return attempt;
   }
 
+  // A half is measured as what it becomes.
+  DistanceReport far_places(const StripMesh& strips) const {
+    const double limit = params_.margin * params_.evaluation.e_max;
+    if (input_.whole.faces.empty()) return find_far(input_.reference, tree_, strips, limit, context_);
+    return find_far_with_image(input_.whole, *input_.whole_tree, strips, limit, context_);
+  }
+
+  NormalReport tilts(const StripMesh& strips) const {
+    const TriangleSoup& input = input_.reference;
+    if (input_.whole.faces.empty())
+      return measure_normals(input.points, input.faces, tree_, strips, kCertificateSamples, context_);
+    return measure_normals_with_image(input_.whole, *input_.whole_tree, strips, kCertificateSamples,
+                                      context_);
+  }
+
   // Takes the normal deviation into the attempt; while it is not met, all larger patches that exceed it are
   // too far.
   void measure_tilt(Attempt& attempt) const {
     const double limit = params_.evaluation.normal_deviation * params_.margin;
     if (limit <= 0) return;
-    const TriangleSoup& input = input_.reference;
-    const NormalReport normals =
-        measure_normals(input.points, input.faces, tree_, attempt.strips, kCertificateSamples, context_);
+    const NormalReport normals = tilts(attempt.strips);
     attempt.miss = std::max(attempt.miss, normals.quantile / limit);
     if (normals.quantile <= limit) return;
     std::vector<double> area;

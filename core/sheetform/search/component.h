@@ -18,6 +18,10 @@ struct ComponentInput {
   PreparedMesh prepared;
   TriangleSoup reference;                        ///< the untouched input surface of this component
   std::shared_ptr<const ClosestPointTree> tree;  ///< of `reference`; null: the run makes its own
+  /// Of a half: the untouched input that it and its mirror image stand for, which need not be quite
+  /// symmetric; results are measured against it. Empty: the half is exact.
+  TriangleSoup whole;
+  std::shared_ptr<const ClosestPointTree> whole_tree;  ///< of `whole`
   std::vector<Vector3> guide;  ///< cross directions given by the user, per prepared vertex; empty = none
   bool half = false;           ///< of a symmetric surface: its border on x = 0 stays there, to be mirrored
   std::vector<char>

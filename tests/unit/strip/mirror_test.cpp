@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sheetform/strip/certificate.h"
+#include "sheetform/strip/mirror_distance.h"
 #include "support/shapes.h"
 #include "support/strip_shapes.h"
 
@@ -171,6 +172,49 @@ TEST(JoinImages, APartWithADartStaysOneOfTwo) {
     EXPECT_EQ(joined.arches.size(), whole.arches.size());
     EXPECT_TRUE(check_structure(joined, nullptr, 20, 4).empty());
   }
+}
+
+// Both sides of half_sheet(n), its image raised by `lift` where it is farthest from the plane.
+struct LiftedImage {
+  StripMesh half;
+  TriangleSoup input;
+  ClosestPointTree tree;
+  LiftedImage(int n, double lift) : half(half_sheet(n)), input(shapes::soup_of(with_mirror_image(half))) {
+    for (Vector3& p : input.points)
+      if (p.x() == -1) p.z() += lift;
+    tree = ClosestPointTree(input.points, input.faces);
+  }
+};
+
+TEST(MirrorDistance, WhatIsFarOnTheSideOfTheImageIsToldOfTheHalf) {
+  const LiftedImage lifted(7, 0.1);
+  RunContext context;
+  const DistanceReport near = find_far_with_image(lifted.input, lifted.tree, lifted.half, 0.11, context);
+  EXPECT_TRUE(near.far.empty());
+  const DistanceReport d = find_far_with_image(lifted.input, lifted.tree, lifted.half, 0.02, context);
+  ASSERT_EQ(d.patch_error.size(), 1u);
+  EXPECT_NEAR(d.patch_error[0], 0.1, 0.01);
+  EXPECT_LT(d.worst_place.x(), 0) << "where it is";
+  EXPECT_GE(d.far.size(), 14u) << "each way half of the triangles at least";
+  const auto points = static_cast<int>(lifted.half.points.size());
+  for (const FarPlace& place : d.far) {
+    Vector3 at = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_LT(place.triangle[k], points);
+      at += place.barycentric[k] * lifted.half.points[place.triangle[k]];
+    }
+    EXPECT_GT(place.on_input.x(), 0);
+    EXPECT_NEAR((place.on_input - at).norm(), place.distance, 1e-9);
+    EXPECT_GT(place.on_input.z(), at.z()) << "up, as the other side is";
+  }
+}
+
+TEST(MirrorDistance, TiltsOfTheImageCountForThePatch) {
+  const LiftedImage lifted(7, 0.5);
+  RunContext context;
+  const NormalReport n = measure_normals_with_image(lifted.input, lifted.tree, lifted.half, 4000, context);
+  ASSERT_EQ(n.patch_quantile.size(), 1u);
+  EXPECT_GT(n.patch_quantile[0], 20) << "half of 1 over 1";
 }
 
 TEST(Mirror, SurfacesOffThePlaneBecomeTwo) {
