@@ -321,9 +321,11 @@ class ComponentRun {
     if (!params_.evaluation.t_junctions) return;
     search.improve(tries(search), params_.seed);
     search.clear_regions();
+    search.share_out_small();
     search.smooth_what_allows();
     search.smooth_rough_arches();
     search.leave_darts();
+    search.share_out_small();
   }
 
   // Few parts are soon tried out, and one cannot become fewer.
@@ -371,7 +373,10 @@ class ComponentRun {
           break;
         search.split(patches_with(search.layout(), far), PatchVerdict::kError);
       }
-      if (round < 6 && params_.evaluation.t_junctions) search.leave_darts();
+      if (round < 6 && params_.evaluation.t_junctions) {
+        search.leave_darts();
+        search.share_out_small();
+      }
     }
   }
 

@@ -49,6 +49,9 @@ class LayoutSearch {
   /// stays is a dart, a seam that ends inside of its patch. Only where darts are allowed: with T-junctions
   /// and seams of a patch with itself.
   void leave_darts();
+  /// Shares small patches out among their neighbours, smallest first: each of its faces goes to the nearest
+  /// of one, two or all of them, where every patch then fits. Returns how many went.
+  int share_out_small();
   /// Local search: a stretch of a candidate path goes in, other arches go out; kept when there are fewer
   /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
   /// kept.
@@ -124,6 +127,7 @@ class LayoutSearch {
   Shape smoothed(double cutoff);
   void move_to(const std::vector<int>& vertices, const Shape& shape);
   SmoothParams smooth_params(double cutoff) const;
+  void smooth_arch_of(int edge);
   bool try_smooth_arch(const Arch& arch, double cutoff, double from_ends);
   std::vector<int> stretch_inside(const Path& path, int patch) const;
   /// A stretch of a candidate that could go through a patch.
@@ -141,6 +145,20 @@ class LayoutSearch {
   Vector3 outside_regions(const Vector3& from, const Vector3& to) const;
   std::vector<std::vector<int>> arches_inside();
   bool recut_around(const std::vector<int>& arch);
+  /// A patch that its neighbours take: edges that go, edges that are cut; what becomes of all the faces.
+  struct Sharing {
+    std::vector<int> gone, cut;
+    std::vector<int> faces;  ///< of the patch and those that take it
+    int patches = 0;         ///< so many these are now
+  };
+  std::vector<int> takers_of(int patch);
+  std::vector<int> nearest_of(int patch, const std::vector<int>& takers) const;
+  Sharing sharing(int patch, const std::vector<int>& takers) const;
+  std::vector<Sharing> sharings(int patch);
+  void apply(const Sharing& s, EditableNetwork& network) const;
+  void smooth_cuts(const std::vector<int>& edges);
+  bool share_out(int patch);
+  std::uint64_t neighbourhood_key(const Patch& patch) const;
   std::vector<int> failing_of(const std::vector<int>& faces);
   /// Part of the network, from a node.
   struct Walk {
@@ -154,7 +172,10 @@ class LayoutSearch {
   Vector3 direction_of(const Walk& arch) const;
   std::vector<Relabelled> join_straight(const std::vector<int>& removed);
   int combinatorial_corners(const Patch& patch) const;
-  std::vector<int> with_loose_ends(std::vector<int> edges, int tip = -1) const;
+  std::vector<int> with_loose_ends(std::vector<int> edges, int tip = -1) const {
+    return with_loose_ends(network_.network(), std::move(edges), tip);
+  }
+  std::vector<int> with_loose_ends(const PathNetwork& net, std::vector<int> edges, int tip = -1) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
   bool covers_hopeless(const std::vector<int>& patches) const;
@@ -186,8 +207,9 @@ class LayoutSearch {
   std::unordered_map<std::uint64_t, double>
       merge_values_;  ///< by arch and patches beside it; negative = not viable
   using Faces = std::shared_ptr<const std::vector<int>>;
-  std::vector<Faces> hopeless_;  ///< what is far from being one patch; not after smoothing
-  ArchPlaces places_;            ///< after the last morphs
+  std::vector<Faces> hopeless_;                 ///< what is far from being one patch; not after smoothing
+  std::unordered_set<std::uint64_t> unshared_;  ///< small patches that could not be shared out, by key
+  ArchPlaces places_;                           ///< after the last morphs
   std::unordered_set<std::uint64_t>
       lost_;  ///< patches without strips, by key: not for a removal to blame for
 };

@@ -122,8 +122,8 @@ void LayoutSearch::remove_paths() {
 }
 
 // Frees the edges, and the loose ends that this leaves; empty when a loose end may not go.
-std::vector<int> LayoutSearch::with_loose_ends(std::vector<int> edges, int tip) const {
-  const PathNetwork& net = network_.network();
+std::vector<int> LayoutSearch::with_loose_ends(const PathNetwork& net, std::vector<int> edges,
+                                               int tip) const {
   std::unordered_set<int> gone(edges.begin(), edges.end());
   auto remaining = [&](int v) {
     std::pair<int, int> degree_and_edge{0, -1};

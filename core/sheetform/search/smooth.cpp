@@ -148,13 +148,15 @@ void LayoutSearch::smooth_rough_arches() {
     if (arch.left >= 0 && arch.right >= 0 && !arch.closed() &&
         sharpest_turn(surface_.mesh.points, arch) > kRough && !is_held(network_.network().kinds[arch.path]))
       edges.push_back(arch.edges.front());
-  for (int e : edges) {
-    const Arch arch = layout().arches[layout_.edge_arch[e]];
-    // Ends that turn make a corner, and a patch may have one too many: then they stay as they are.
-    if (!try_smooth_arch(arch, SmoothParams().cutoff_edges, 0) && !try_smooth_arch(arch, kMilder[0], 0) &&
-        !try_smooth_arch(arch, kMilder[1], 0))
-      try_smooth_arch(arch, kMilder[0], params_.evaluation.corner_reach);
-  }
+  for (int e : edges) smooth_arch_of(e);
+}
+
+void LayoutSearch::smooth_arch_of(int edge) {
+  const Arch arch = layout().arches[layout_.edge_arch[edge]];
+  // Ends that turn make a corner, and a patch may have one too many: then they stay as they are.
+  if (!try_smooth_arch(arch, SmoothParams().cutoff_edges, 0) && !try_smooth_arch(arch, kMilder[0], 0) &&
+      !try_smooth_arch(arch, kMilder[1], 0))
+    try_smooth_arch(arch, kMilder[0], params_.evaluation.corner_reach);
 }
 
 }  // namespace sheetform

@@ -129,28 +129,6 @@ TEST(Darts, GoWhenTheyAreNotNeededAnyMore) {
 
 // ---- what hangs at what goes
 
-// A search that begins with the network of a drawing.
-struct Begun {
-  SearchBed bed;
-  CrossField field;
-  TracingGraph graph;
-  std::unique_ptr<LayoutSearch> search;
-
-  Begun(const Drawing& d, double e_max) : Begun(d, evaluation_params(e_max)) {}
-  Begun(const Drawing& d, const EvaluationParams& evaluation) : bed(d.mesh) {
-    const SurfaceMesh& mesh = bed.surface.mesh;
-    const std::vector<char> smooth(mesh.edges.size(), 0);
-    const CurvatureField curvature = principal_curvature(mesh, smooth, {}, bed.context);
-    field = cross_field(mesh, smooth, curvature, nullptr, {}, bed.context);
-    graph = tracing_graph(mesh, smooth, field, {}, bed.context);
-    SearchParams params;
-    params.evaluation = evaluation;
-    search = std::make_unique<LayoutSearch>(bed.surface, d.network, graph, std::vector<Path>{}, params,
-                                            bed.context);
-  }
-  const PathNetwork& network() const { return search->network().network(); }
-};
-
 // Every line inside of the surface leads to its border.
 void expect_no_island(const SurfaceMesh& mesh, const PathNetwork& network) {
   std::vector<char> reached(mesh.points.size(), 0);

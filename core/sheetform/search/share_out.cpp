@@ -1,0 +1,205 @@
+// The part of the search that shares a small patch out among its neighbours.
+#include <algorithm>
+#include <map>
+#include <queue>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "sheetform/search/layout_search.h"
+
+namespace sheetform {
+namespace {
+
+constexpr double kSmall = 0.1;              // of the surface: larger patches hardly ever go this way
+constexpr std::size_t kMostNeighbours = 6;  // with more of them the ways to choose two become too many
+
+Vector3 middle_of(const SurfaceMesh& mesh, int f) {
+  const auto& t = mesh.faces[f];
+  return (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
+}
+
+}  // namespace
+
+// The neighbours beyond arches that may go, the one with the longest seam first.
+std::vector<int> LayoutSearch::takers_of(int patch) {
+  std::map<int, double> seam;
+  for (const ArchUse& use : layout().patches[patch].boundary) {
+    const Arch& arch = layout_.arches[use.arch];
+    if (may_go(arch) && arch.left != arch.right)
+      seam[arch.left == patch ? arch.right : arch.left] += arch.length;
+  }
+  std::vector<std::pair<double, int>> order;
+  for (const auto& [q, length] : seam) order.emplace_back(-length, q);
+  std::sort(order.begin(), order.end());
+  std::vector<int> takers;
+  for (const auto& [length, q] : order) takers.push_back(q);
+  return takers;
+}
+
+// The nearest of these neighbours of each face of the patch, ways not crossing any line; empty where there is
+// none.
+std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& takers) const {
+  const SurfaceMesh& mesh = surface_.mesh;
+  const PathNetwork& net = network_.network();
+  const std::vector<int>& faces = layout_.patches[patch].faces;
+  std::map<int, std::pair<double, int>> nearest;  // by face
+  std::priority_queue<std::tuple<double, int, int>> open;
+  const auto reach = [&](int f, double distance, int taker) {
+    const auto [it, fresh] = nearest.emplace(f, std::pair(distance, taker));
+    if (!fresh && it->second.first <= distance) return;
+    it->second = {distance, taker};
+    open.emplace(-distance, f, taker);
+  };
+  for (int f : faces)
+    for (int k = 0; k < 3; ++k) {
+      const int e = mesh.face_edges[f][k], g = mesh.face_neighbours[f][k];
+      if (g < 0 || layout_.face_patch[g] == patch || is_held(net.kinds[net.edge_path[e]])) continue;
+      if (std::find(takers.begin(), takers.end(), layout_.face_patch[g]) == takers.end()) continue;
+      const Vector3 seam = (mesh.points[mesh.edges[e].v0] + mesh.points[mesh.edges[e].v1]) / 2;
+      reach(f, (middle_of(mesh, f) - seam).norm(), layout_.face_patch[g]);
+    }
+  while (!open.empty()) {
+    const auto [distance, f, taker] = open.top();
+    open.pop();
+    if (nearest.at(f) != std::pair(-distance, taker)) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int g = mesh.face_neighbours[f][k];
+      if (g < 0 || layout_.face_patch[g] != patch || net.used(mesh.face_edges[f][k])) continue;
+      reach(g, -distance + (middle_of(mesh, f) - middle_of(mesh, g)).norm(), taker);
+    }
+  }
+  std::vector<int> to;
+  for (int f : faces) {
+    const auto it = nearest.find(f);
+    if (it == nearest.end()) return {};
+    to.push_back(it->second.second);
+  }
+  return to;
+}
+
+// What changes in the network when these neighbours take the patch: the seams to them go, and new ones are
+// cut where their shares meet.
+LayoutSearch::Sharing LayoutSearch::sharing(int patch, const std::vector<int>& takers) const {
+  Sharing s;
+  const std::vector<int> to = nearest_of(patch, takers);
+  if (to.empty()) return s;
+  const std::vector<int>& own = layout_.patches[patch].faces;
+  std::map<int, int> taker;
+  for (std::size_t i = 0; i < own.size(); ++i) taker[own[i]] = to[i];
+  const auto patch_at = [&](int f) {
+    const auto it = taker.find(f);
+    return it == taker.end() ? layout_.face_patch[f] : it->second;
+  };
+  std::set<int> edges;
+  for (int f : own) edges.insert(surface_.mesh.face_edges[f].begin(), surface_.mesh.face_edges[f].end());
+  const PathNetwork& net = network_.network();
+  for (int e : edges) {
+    const auto& edge = surface_.mesh.edges[e];
+    if (edge.border()) continue;
+    const bool apart = patch_at(edge.f0) != patch_at(edge.f1), used = net.used(e);
+    if (apart && !used) s.cut.push_back(e);
+    if (!apart && used && !is_held(net.kinds[net.edge_path[e]])) s.gone.push_back(e);
+  }
+  std::vector<int> beside = takers;
+  beside.push_back(patch);
+  s.patches = static_cast<int>(beside.size());
+  s.faces = faces_of(beside);
+  return s;
+}
+
+// Also with the loose ends that this leaves, where there are any, as darts.
+std::vector<LayoutSearch::Sharing> LayoutSearch::sharings(int patch) {
+  const std::vector<int> takers = takers_of(patch);
+  std::vector<std::vector<int>> choices;
+  for (int q : takers) choices.push_back({q});
+  for (std::size_t i = 0; i < takers.size() && takers.size() <= kMostNeighbours; ++i)
+    for (std::size_t j = i + 1; j < takers.size(); ++j) choices.push_back({takers[i], takers[j]});
+  if (takers.size() > 2) choices.push_back(takers);
+  std::vector<Sharing> all;
+  for (const std::vector<int>& choice : choices) {
+    Sharing s = sharing(patch, choice);
+    if (s.gone.empty()) continue;
+    EditableNetwork cut = network_;
+    cut.insert_edges(s.cut, PathKind::kCut);
+    Sharing trimmed = s;
+    trimmed.gone = with_loose_ends(cut.network(), s.gone);
+    const bool loose = trimmed.gone.size() != s.gone.size();
+    if (!trimmed.gone.empty()) all.push_back(std::move(trimmed));
+    if (loose && rules_.darts) all.push_back(std::move(s));
+  }
+  return all;
+}
+
+void LayoutSearch::apply(const Sharing& s, EditableNetwork& network) const {
+  network.insert_edges(s.cut, PathKind::kCut);
+  network.remove_edges(s.gone);
+}
+
+// New cuts follow the edges of the mesh: they have a staircase each.
+void LayoutSearch::smooth_cuts(const std::vector<int>& edges) {
+  std::set<int> done;  // by lowest edge of an arch
+  for (int e : edges) {
+    const Arch& arch = layout().arches[layout_.edge_arch[e]];
+    if (!done.insert(*std::min_element(arch.edges.begin(), arch.edges.end())).second) continue;
+    smooth_arch_of(e);
+  }
+}
+
+bool LayoutSearch::share_out(int patch) {
+  const std::vector<Sharing> all = sharings(patch);
+  std::vector<char> viable(all.size(), 0);
+  parallel_for(context_, static_cast<int>(all.size()), [&](int i) {
+    EditableNetwork trial = network_;
+    apply(all[i], trial);
+    const auto fit = viable_region(trial.network(), all[i].faces);
+    viable[i] = fit && fit->patches < all[i].patches;
+  });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!viable[i]) continue;
+    have_places();
+    const EditableNetwork network_before = network_;
+    const PatchLayout layout_before = layout_;
+    const double inside = length_inside();
+    apply(all[i], network_);
+    changed();
+    if (length_inside() <= inside && region_fits(all[i].faces)) {
+      smooth_cuts(all[i].cut);
+      return true;
+    }
+    network_ = network_before, layout_ = layout_before;
+    layout_valid_ = true;
+  }
+  return false;
+}
+
+int LayoutSearch::share_out_small() {
+  know_lost();
+  const double most = kSmall * surface_area(surface_.mesh);
+  std::vector<std::pair<double, int>> small;  // smallest first, by a face of each
+  for (const Patch& p : layout().patches)
+    if (p.area < most && p.defect == TopologyDefect::kNone) small.emplace_back(p.area, p.faces.front());
+  std::sort(small.begin(), small.end());
+  int done = 0;
+  for (const auto& [area, face] : small) {
+    context_.report(Stage::kRemove, 1);
+    const Patch& p = layout().patches[layout_.face_patch[face]];
+    const bool joined = std::any_of(p.boundary.begin(), p.boundary.end(), [&](const ArchUse& use) {
+      return surface_.is_straight(layout_.arches[use.arch]);  // goes on across the plane of symmetry
+    });
+    if (p.area >= most || joined || !unshared_.insert(neighbourhood_key(p)).second) continue;
+    done += share_out(layout_.face_patch[face]);
+  }
+  return done;
+}
+
+// Of the patch and those around it.
+std::uint64_t LayoutSearch::neighbourhood_key(const Patch& patch) const {
+  std::uint64_t around = 0;
+  for (const ArchUse& use : patch.boundary)
+    for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
+      if (q >= 0) around += layout_.patches[q].key * 0xff51afd7ed558ccdull;
+  return patch.key ^ (around + 0x9e3779b97f4a7c15ull);
+}
+
+}  // namespace sheetform
