@@ -140,6 +140,7 @@ void LayoutSearch::apply(const Sharing& s, EditableNetwork& network) const {
 void LayoutSearch::smooth_cuts(const std::vector<int>& edges) {
   std::set<int> done;  // by lowest edge of an arch
   for (int e : edges) {
+    if (!network_.network().used(e)) continue;  // it went as a loose end
     const Arch& arch = layout().arches[layout_.edge_arch[e]];
     if (!done.insert(*std::min_element(arch.edges.begin(), arch.edges.end())).second) continue;
     smooth_arch_of(e);
