@@ -151,7 +151,11 @@ class LayoutSearch {
     std::vector<int> faces;  ///< of the patch and those that take it
     int patches = 0;         ///< so many these are now
   };
-  std::vector<int> takers_of(int patch);
+  struct Taker {
+    int patch = -1, arches = 0;  ///< so many lie between
+    double seam = 0;             ///< their length
+  };
+  std::vector<Taker> takers_of(int patch);
   std::vector<int> nearest_of(int patch, const std::vector<int>& takers) const;
   Sharing sharing(int patch, const std::vector<int>& takers) const;
   std::vector<Sharing> sharings(int patch);

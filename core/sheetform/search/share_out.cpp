@@ -22,18 +22,19 @@ Vector3 middle_of(const SurfaceMesh& mesh, int f) {
 }  // namespace
 
 // The neighbours beyond arches that may go, the one with the longest seam first.
-std::vector<int> LayoutSearch::takers_of(int patch) {
-  std::map<int, double> seam;
+std::vector<LayoutSearch::Taker> LayoutSearch::takers_of(int patch) {
+  std::map<int, Taker> by_patch;
   for (const ArchUse& use : layout().patches[patch].boundary) {
     const Arch& arch = layout_.arches[use.arch];
-    if (may_go(arch) && arch.left != arch.right)
-      seam[arch.left == patch ? arch.right : arch.left] += arch.length;
+    if (!may_go(arch) || arch.left == arch.right) continue;
+    const int q = arch.left == patch ? arch.right : arch.left;
+    Taker& taker = by_patch[q];
+    taker.patch = q, taker.seam += arch.length, ++taker.arches;
   }
-  std::vector<std::pair<double, int>> order;
-  for (const auto& [q, length] : seam) order.emplace_back(-length, q);
-  std::sort(order.begin(), order.end());
-  std::vector<int> takers;
-  for (const auto& [length, q] : order) takers.push_back(q);
+  std::vector<Taker> takers;
+  for (const auto& [q, taker] : by_patch) takers.push_back(taker);
+  std::stable_sort(takers.begin(), takers.end(),
+                   [](const Taker& a, const Taker& b) { return a.seam > b.seam; });
   return takers;
 }
 
@@ -108,11 +109,15 @@ LayoutSearch::Sharing LayoutSearch::sharing(int patch, const std::vector<int>& t
   return s;
 }
 
-// Also with the loose ends that this leaves, where there are any, as darts.
+// Also with the loose ends that this leaves, where there are any, as darts. Where a single arch would go that
+// has been tried.
 std::vector<LayoutSearch::Sharing> LayoutSearch::sharings(int patch) {
-  const std::vector<int> takers = takers_of(patch);
   std::vector<std::vector<int>> choices;
-  for (int q : takers) choices.push_back({q});
+  std::vector<int> takers;
+  for (const Taker& taker : takers_of(patch)) {
+    takers.push_back(taker.patch);
+    if (taker.arches > 1) choices.push_back({taker.patch});
+  }
   for (std::size_t i = 0; i < takers.size() && takers.size() <= kMostNeighbours; ++i)
     for (std::size_t j = i + 1; j < takers.size(); ++j) choices.push_back({takers[i], takers[j]});
   if (takers.size() > 2) choices.push_back(takers);
