@@ -1,13 +1,17 @@
 // Time, memory and effort of whole runs: seconds by stage, and multiples of a yardstick that is measured in
 // the same run on the same mesh, so that machines can be compared (a sparse factorisation of the mesh's
 // Laplacian).
-//   bench_decompose [options] [mesh...]   without meshes: one shape with 2 k to 512 k faces
+//   bench_decompose [options] [mesh...]   without meshes: three shapes with 2 k to 512 k faces
+//   bench_decompose --coarse 2000 --refine 4 mesh...   the same for any shapes
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <string>
+#include <tuple>
 
 #include "bench_run.h"
 
@@ -80,7 +84,8 @@ Timed fastest(const InputMesh& input, const DecomposeParams& params, const Optio
 }
 
 struct Size {
-  double faces = 0;
+  std::string mesh;
+  double faces = 0, e_max = 0;
   PerStage stages{};
 };
 std::vector<Size> sizes;  // of the runs so far, for the growth
@@ -114,17 +119,22 @@ void row(const InputMesh& input, const DecomposeParams& params, const Options& o
   }
   std::printf("%s\n", report.e_max_met ? "" : "  TOLERANCE NOT MET");
   std::fflush(stdout);
-  sizes.push_back({static_cast<double>(input.soup.faces.size()), timed.stages});
+  sizes.push_back({input.name, static_cast<double>(input.soup.faces.size()), params.e_max, timed.stages});
 }
 
 // The power of the number of faces with which each stage grows, from each size to the next.
 void print_growth() {
   std::printf("\ngrowth: processor seconds ~ faces ^\n");
+  std::stable_sort(sizes.begin(), sizes.end(), [](const Size& a, const Size& b) {
+    return std::tie(a.mesh, a.e_max) < std::tie(b.mesh, b.e_max);
+  });
   for (std::size_t i = 1; i < sizes.size(); ++i) {
-    std::printf("%7.0f -> %7.0f", sizes[i - 1].faces, sizes[i].faces);
+    const Size &small = sizes[i - 1], &large = sizes[i];
+    if (small.mesh != large.mesh || small.e_max != large.e_max) continue;
+    std::printf("%-16s %5.3g %7.0f -> %7.0f", large.mesh.c_str(), large.e_max, small.faces, large.faces);
     for (std::size_t s = 0; s < kStages.size(); ++s) {
-      const double before = sizes[i - 1].stages[s], after = sizes[i].stages[s];
-      const double power = std::log(after / before) / std::log(sizes[i].faces / sizes[i - 1].faces);
+      const double before = small.stages[s], after = large.stages[s];
+      const double power = std::log(after / before) / std::log(large.faces / small.faces);
       if (before < kTooShort)
         std::printf("  %s    -", kStages[s]);
       else
@@ -141,7 +151,7 @@ int main(int argc, char** argv) try {
   const auto options = sheetform::bench::parse_options(argc, argv);
   const int status =
       sheetform::bench::run_all(options, sheetform::bench::own_scaling(), sheetform::bench::row);
-  if (options.files.empty()) sheetform::bench::print_growth();
+  if (options.files.empty() || options.refine > 0) sheetform::bench::print_growth();
   return status;
 } catch (const std::exception& e) {
   std::fprintf(stderr, "bench_decompose: %s\n", e.what());

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "refine.h"
 #include "sheetform/mesh/mesh_io.h"
 #include "support/shapes.h"
 
@@ -42,6 +43,10 @@ void set_option(const std::string& name, const std::string& value, Options& o) {
     o.threads = std::stoi(value);
   } else if (name == "--repeat") {
     o.repeat = std::stoi(value);
+  } else if (name == "--coarse") {
+    o.coarse = std::stoi(value);
+  } else if (name == "--refine") {
+    o.refine = std::stoi(value);
   } else if (name == "--effort") {
     o.params.effort = effort_of(value);
   } else if (name == "--t-junctions") {
@@ -62,7 +67,22 @@ InputMesh read_input(const std::string& file) {
   return {std::move(read.soup), read.format, std::filesystem::path(file).stem().string()};
 }
 
+InputMesh sized_input(const std::string& file, int coarse, int times) {
+  InputMesh input = read_input(file);
+  if (coarse > 0) input.soup = remeshed(input.soup, coarse);
+  if (times > 0) input.soup = refined(input.soup, times);
+  return input;
+}
+
 InputMesh own(const std::string& name, TriangleSoup soup) { return {std::move(soup), "own", name}; }
+
+// Hills and valleys of several sizes: curvature everywhere, no symmetry.
+TriangleSoup bumpy_ball(int n) {
+  TriangleSoup soup = shapes::sphere(n);
+  for (Vector3& p : soup.points)
+    p *= 1 + 0.12 * std::sin(3 * p.x() + 1) * std::cos(2 * p.y()) + 0.05 * std::sin(7 * p.z() + 4 * p.x());
+  return soup;
+}
 
 double thread_seconds() {
   timespec t{};
@@ -98,6 +118,8 @@ const char* const kOptionsHelp =
     "  --threads n         (2)\n"
     "  --repeat n          runs of each, the fastest counts (1)\n"
     "  --effort draft|normal|thorough   --t-junctions on|off   --self-seams on|off\n"
+    "  --coarse FACES      files are remeshed to about so many faces first\n"
+    "  --refine n          every file is followed by n finer copies, each with four times the faces (0)\n"
     "  --csv FILE          write the table\n"
     "  --against FILE      compare with an earlier table\n";
 
@@ -134,6 +156,9 @@ std::vector<InputMesh> own_shapes() {
 std::vector<InputMesh> own_scaling() {
   std::vector<InputMesh> meshes;
   for (int n : {32, 64, 128, 256, 512}) meshes.push_back(own("torus", shapes::torus(2 * n, n / 2)));
+  for (int n : {13, 26, 52, 104, 208}) meshes.push_back(own("bumpy_ball", bumpy_ball(n)));
+  for (int n : {32, 64, 128, 256, 512})
+    meshes.push_back(own("closed_cylinder", shapes::closed_cylinder(n, n * 3 / 4)));
   return meshes;
 }
 
@@ -185,7 +210,9 @@ int run_all(const Options& options, const std::vector<InputMesh>& own, Row row) 
         status = 1;
       }
   };
-  for (const std::string& file : options.files) run(file, [&] { return read_input(file); });
+  for (const std::string& file : options.files)
+    for (int times = 0; times <= options.refine; ++times)
+      run(file, [&] { return sized_input(file, options.coarse, times); });
   if (options.files.empty())
     for (const InputMesh& mesh : own) run(mesh.name, [&] { return mesh; });
   if (!options.against.empty()) print_comparison(table, read_csv(options.against));

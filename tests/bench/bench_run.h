@@ -14,6 +14,8 @@ struct Options {
   DecomposeParams params;  ///< e_max apart
   int threads = 2;
   int repeat = 1;
+  int coarse = 0;                  ///< faces to which files are remeshed first; 0: as they are
+  int refine = 0;                  ///< how many finer copies of each file follow, with four times the faces
   std::filesystem::path csv;       ///< where the table goes; empty: nowhere
   std::filesystem::path against;   ///< an earlier table to compare with; empty: none
   std::vector<std::string> files;  ///< none: meshes of the program's own
@@ -21,14 +23,15 @@ struct Options {
 
 /// Options that both programs know. Throws std::invalid_argument with a text for people.
 ///   --e-max 0.05,0.02  --threads n  --repeat n  --effort draft|normal|thorough  --t-junctions off
-///   --self-seams off
+///   --self-seams off  --coarse FACES  --refine TIMES
 ///   --csv FILE  --against FILE
 Options parse_options(int argc, char** argv);
 extern const char* const kOptionsHelp;
 
 /// Meshes of the program's own, for runs without files: shapes whose decomposition is known or much used.
 std::vector<InputMesh> own_shapes();
-/// The same shape with 2 k, 8 k, 32 k, 128 k and 512 k faces: how cost grows.
+/// Three shapes (a torus, a bumpy ball, a closed cylinder with its creases) with about 2 k, 8 k, 32 k, 128 k
+/// and 512 k faces each: how cost grows.
 std::vector<InputMesh> own_scaling();
 
 /// Seconds of this thread for one sparse LDL' of the mesh's cotangent Laplacian with three right-hand sides,

@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kCornerTurn = 50 * M_PI / 180;  // over the scale, on both sides
 
+constexpr double kFewEdges = 12;  // scales: a loop that is no longer may end up with few edges
+
 struct Line {
   std::vector<int> edges, vertices;  // as many vertices as edges when closed, else one more
   bool closed = false;
@@ -110,6 +112,35 @@ void mark_corners(const SurfaceMesh& mesh, const Line& line, double scale, std::
   }
 }
 
+double length_of(const SurfaceMesh& mesh, const Line& line) {
+  double sum = 0;
+  for (int e : line.edges) sum += mesh.edge_length(e);
+  return sum;
+}
+
+// The vertex of a line that is farthest from the stretch between two points.
+int farthest_vertex(const SurfaceMesh& mesh, const Line& line, const Vector3& a, const Vector3& b) {
+  const Vector3 along = b - a;
+  const auto distance = [&](int v) {
+    const Vector3 d = mesh.points[v] - a;
+    const double t = along.squaredNorm() > 0 ? std::clamp(d.dot(along) / along.squaredNorm(), 0.0, 1.0) : 0;
+    return (d - t * along).norm();
+  };
+  return *std::max_element(line.vertices.begin(), line.vertices.end(),
+                           [&](int u, int v) { return distance(u) < distance(v); });
+}
+
+// A loop of few edges keeps three vertices that are far apart: sliding freely along it they could come to lie
+// on one side of a hole of three edges, which would leave a slit without width.
+void hold_open(const SurfaceMesh& mesh, const Line& line, double scale, std::vector<char>& corner) {
+  if (!line.closed || length_of(mesh, line) > kFewEdges * scale) return;
+  const Vector3& start = mesh.points[line.vertices.front()];
+  const int first = farthest_vertex(mesh, line, start, start);
+  const Vector3& a = mesh.points[first];
+  const int second = farthest_vertex(mesh, line, a, a);
+  for (int v : {first, second, farthest_vertex(mesh, line, a, mesh.points[second])}) corner[v] = 1;
+}
+
 }  // namespace
 
 FeatureLines feature_lines(const SurfaceMesh& mesh, const std::vector<char>& crease_edge, double scale) {
@@ -127,6 +158,7 @@ FeatureLines feature_lines(const SurfaceMesh& mesh, const std::vector<char>& cre
       segments.push_back({mesh.edges[e].v0, mesh.edges[e].v1, mesh.edges[e].v1});
     }
     mark_corners(mesh, line, scale, result.corner);
+    hold_open(mesh, line, scale, result.corner);
     result.segments.emplace_back(mesh.points, segments);
   }
   return result;

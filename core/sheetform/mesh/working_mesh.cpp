@@ -48,8 +48,9 @@ bool loses_detail(const SurfaceMesh& input, const ClosestPointTree& input_tree, 
   });
 }
 
-// Height below which triangles say nothing about creases.
-constexpr double kSliver = 5e-4;
+// Height below which triangles say nothing about creases, and the size of meshes for which it is meant: on
+// smaller ones it is less.
+constexpr double kSliver = 5e-4, kSliverSize = 0.2;
 // Width of a region between creases that no part needs to have of its own, in tolerances.
 constexpr double kNarrow = 0.25;
 
@@ -57,7 +58,8 @@ constexpr double kNarrow = 0.25;
 
 PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
                           const WorkingMeshParams& params, const RunContext& context) {
-  const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, kSliver, context);
+  const double sliver = kSliver * std::min(1.0, bounding_box_diagonal(input.points) / kSliverSize);
+  const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, sliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
   context.checkpoint();
   if (params.crease_angle)

@@ -1,6 +1,7 @@
 // S1, S2, S4, S5 and what S7 and S9 ask across patches.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/strip/certificate_checks.h"
@@ -109,24 +110,49 @@ void compare_topology(const Topology& t, const SurfaceMesh& input, std::vector<D
     out.push_back({"S2", "the result has " + now + "; the input has " + wanted, -1, Vector3::Zero()});
 }
 
-// Each component must show its outside where the input does.
-void compare_orientation(const Whole& w, const SurfaceMesh& input, const ClosestPointTree& tree,
-                         std::vector<Defect>& out) {
+// Area-weighted sum of the cosines between the normals of each component and those of the surface nearest to
+// it.
+std::vector<double> agreements(const Whole& w, const ClosestPointTree& tree,
+                               const std::function<Vector3(int)>& normal_of,
+                               const std::vector<char>& wanted) {
   const std::vector<Vector3>& p = w.result.points;
   std::vector<double> agreement(w.topology.components, 0);
-  std::vector<int> first(w.topology.components, -1);
   for (std::size_t f = 0; f < w.faces.size(); ++f) {
+    const int c = w.topology.component[f];
+    if (!wanted[c]) continue;
     const Triple& x = w.faces[f];
     const Vector3 normal = (p[x[1]] - p[x[0]]).cross(p[x[2]] - p[x[0]]);
     const ClosestPoint hit = tree.closest((p[x[0]] + p[x[1]] + p[x[2]]) / 3);
-    const int c = w.topology.component[f];
-    if (first[c] < 0) first[c] = static_cast<int>(f);
-    if (hit.face >= 0) agreement[c] += normal.dot(input.face_normal_raw(hit.face).stableNormalized());
+    if (hit.face >= 0) agreement[c] += normal.dot(normal_of(hit.face).stableNormalized());
   }
-  for (std::size_t c = 0; c < agreement.size(); ++c)
-    if (agreement[c] < 0)
+  return agreement;
+}
+
+// Each component must show its outside where the input does. A small one that lies on a larger one (a flap
+// that repair cut off) is nearest to either of them: what it was made from decides.
+void compare_orientation(const Whole& w, const SurfaceMesh& input, const ClosestPointTree& tree,
+                         std::vector<Defect>& out) {
+  const int count = w.topology.components;
+  const std::vector<double> agreement = agreements(
+      w, tree, [&](int f) { return input.face_normal_raw(f); }, std::vector<char>(count, 1));
+  std::vector<int> first(count, -1), origin;  // origin: of each face of the input, its component
+  for (std::size_t f = w.faces.size(); f-- > 0;) first[w.topology.component[f]] = static_cast<int>(f);
+  for (int c = 0; c < count; ++c) {
+    if (agreement[c] >= 0) continue;
+    if (origin.empty()) origin = face_components(input).first;
+    const int patch = w.patch_of[first[c]];
+    std::vector<int> own;
+    for (int f = 0; f < input.face_count(); ++f)
+      if (origin[f] == w.result.patches[patch].component) own.push_back(f);
+    std::vector<std::array<int, 3>> faces;
+    for (int f : own) faces.push_back(input.faces[f]);
+    std::vector<char> wanted(count, 0);
+    wanted[c] = 1;
+    const auto normal_of = [&](int f) { return input.face_normal_raw(own[f]); };
+    if (own.empty() || agreements(w, ClosestPointTree(input.points, faces), normal_of, wanted)[c] < 0)
       out.push_back(
-          {"S2", "a component is oriented against the input", w.patch_of[first[c]], p[w.faces[first[c]][0]]});
+          {"S2", "a component is oriented against the input", patch, w.result.points[w.faces[first[c]][0]]});
+  }
 }
 
 }  // namespace

@@ -120,6 +120,43 @@ TEST(Prepare, JaggedBordersDoNotKeepEveryJag) {
   EXPECT_LT(out.mesh.face_count(), 500);
 }
 
+// Areas that the border loops enclose, the smallest first.
+std::vector<double> loop_areas(const SurfaceMesh& m) {
+  std::vector<double> areas;
+  std::vector<char> seen(m.points.size(), 0);
+  for (int start = 0; start < m.vertex_count(); ++start) {
+    if (!m.border_vertex[start] || seen[start]) continue;
+    Vector3 twice = Vector3::Zero();
+    for (int v = start; !seen[v];) {
+      seen[v] = 1;
+      const int next = m.edges[*m.ring_begin_of(v)].other(v);
+      twice += (m.points[v] - m.points[start]).cross(m.points[next] - m.points[start]);
+      v = next;
+    }
+    areas.push_back(twice.norm() / 2);
+  }
+  std::sort(areas.begin(), areas.end());
+  return areas;
+}
+
+// A hole of one triangle whose three border vertices came to lie on one of its sides had no width: the strips
+// beside it met in a point, and no tolerance was fine enough to part them.
+TEST(Prepare, SmallHolesStayOpen) {
+  TriangleSoup soup = shapes::plane(60);
+  std::vector<std::array<int, 3>> kept;
+  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+    if (f % 211 != 100) kept.push_back(soup.faces[f]);
+  soup.faces = kept;
+  const SurfaceMesh in = repair(soup).mesh;
+  for (double length : {0.02, 0.03, 0.05, 0.07}) {
+    const PreparedMesh out = prepare(in, {}, length, {});
+    ASSERT_TRUE(out.remeshed) << length;
+    const std::vector<double> before = loop_areas(in), after = loop_areas(out.mesh);
+    ASSERT_EQ(before.size(), after.size());
+    EXPECT_GT(after.front(), 0.3 * before.front()) << length;
+  }
+}
+
 TEST(Prepare, BordersAtTheSamePlaceStayApart) {
   // A tube that stands exactly in the hole of a plate, not joined to it.
   TriangleSoup s = shapes::cylinder(24, 4, 0.3, 1);

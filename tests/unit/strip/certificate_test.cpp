@@ -235,6 +235,42 @@ INSTANTIATE_TEST_SUITE_P(
         Mutation{"two_points_in_one_place", leaves, lift_seam_point, {"S2", "S4", "S5", "S8", "S9"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
+// A square that lies on the back of a larger one, a little nearer to it than to itself where the input had
+// it: as a flap that repair has cut off.
+struct Flap {
+  StripMesh strips;
+  SurfaceMesh input;
+};
+Flap flap(bool turned_over) {
+  std::vector<Vector3> points{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+  for (const Vector3& p :
+       {Vector3(1, 1, 0.01), Vector3(1, 2, 0.01), Vector3(2, 2, 0.01), Vector3(2, 1, 0.01)})
+    points.push_back(p);
+  shapes::StripBuilder builder(points);
+  builder.add({{0, 1, 2}, {0, 2, 3}}, {0, 1, 2, 3}, {{0, 2}}, 0);
+  if (turned_over)
+    builder.add({{4, 6, 5}, {4, 7, 6}}, {4, 5, 6, 7}, {{4, 6}}, 1);
+  else
+    builder.add({{4, 5, 6}, {4, 6, 7}}, {4, 5, 6, 7}, {{4, 6}}, 1);
+  for (int v = 4; v < 8; ++v) points[v].z() = 0.05;
+  return {builder.finish(), build_surface_mesh(points, {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}})};
+}
+
+TEST(Certificate, ComponentOnTheBackOfAnotherHasItsOwnOutside) {
+  const Flap good = flap(false);
+  const auto defects = check_structure(good.strips, &good.input, 6, kDiagonal);
+  EXPECT_TRUE(defects.empty()) << text_of(defects);
+}
+
+TEST(Certificate, ComponentTurnedOverIsFound) {
+  Flap far = flap(true);
+  for (int v = 4; v < 8; ++v) far.strips.points[v].z() = far.input.points[v].z() = 3;
+  const auto defects = check_structure(far.strips, &far.input, 6, kDiagonal);
+  ASSERT_EQ(defects.size(), 1u) << text_of(defects);
+  EXPECT_EQ(defects[0].check, "S2");
+  EXPECT_EQ(defects[0].patch, 1);
+}
+
 TEST(Certificate, FlatPatchNeedsNoRulings) {
   StripMesh flat = shapes::two_leaves(60, 0, 12);
   for (auto& patch : flat.patches) patch.rulings.clear();
