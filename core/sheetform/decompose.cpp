@@ -72,6 +72,10 @@ SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& comp
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
 constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
 constexpr double kMostCloser = 0.3;         // of the tolerance: so much closer a symmetric result may be held
+// Lengths that do not follow the tolerance, as that between outline points, are meant for objects of about
+// the input's size. A component smaller than kLeastSize (in diagonals of the input) has shorter ones, and may
+// be off by no more than kMostReach of its own diagonal: beyond that it would keep neither shape nor outside.
+constexpr double kLeastSize = 0.2, kMostReach = 0.1;
 // How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
 constexpr double kDrawnSlack = 0.005;
 
@@ -119,9 +123,13 @@ std::vector<Variant> variants(Effort effort) {
           {Effort::kNormal, {400}, 150, 3}};
 }
 
+// size: of the component, in diagonals of the input.
 ComponentParams component_params(const DecomposeParams& params, double e_max, const SpacingBounds& spacing,
-                                 const Variant& variant) {
+                                 const Variant& variant, double size) {
   ComponentParams c;
+  const double shorter = std::min(1.0, size / kLeastSize);
+  c.evaluation.spacing *= shorter;
+  c.fine_spacing *= shorter;
   c.evaluation.e_max = e_max;
   c.evaluation.max_sides = params.max_sides;
   c.evaluation.self_seams = params.self_seams;
@@ -348,6 +356,7 @@ class Sweep {
     int index, count;  // of how many
     const SurfaceMesh& mesh;
     const ComponentGuides& guides;
+    double size;  // its own diagonal
     std::shared_ptr<const ClosestPointTree> tree;
     std::vector<ComponentResult> best;  // by tolerance
     std::size_t finished;               // so many tolerances have their strips
@@ -408,11 +417,16 @@ class Sweep {
     return half_ ? std::max(e_max - half_->deviation, 0.5 * e_max) - closer_ : e_max;
   }
 
+  static double small_enough(double e_max, const Piece& piece) {
+    return piece.size < kLeastSize ? std::min(e_max, kMostReach * piece.size) : e_max;
+  }
+
   ComponentInput component_input(const Piece& piece, const Variant& variant, const RunContext& context) {
     ComponentInput input;
-    input.prepared = working_mesh(
-        piece.mesh, *piece.tree,
-        {common_.params.e_max, common_.params.crease_angle, variant.mesh == Effort::kDraft}, context);
+    input.prepared = working_mesh(piece.mesh, *piece.tree,
+                                  {small_enough(common_.params.e_max, piece), common_.params.crease_angle,
+                                   variant.mesh == Effort::kDraft},
+                                  context);
     take_guides(piece.guides, input, context);
     input.reference = {piece.mesh.points, piece.mesh.faces};
     input.tree = piece.tree;
@@ -443,7 +457,7 @@ class Sweep {
     const std::vector<ComponentGuides> guides = guides_by_component(strokes_, mesh_, component, count);
     for (int c = 0; c < count; ++c) {
       const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
-      Piece piece{c, count, mesh, guides[c], nullptr, {}, 0, false};
+      Piece piece{c, count, mesh, guides[c], bounding_box_diagonal(mesh.points), nullptr, {}, 0, false};
       piece.tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
       decompose_piece(piece, results);
     }
@@ -472,14 +486,14 @@ class Sweep {
            std::vector<Decomposition>& results) {
     const auto start = Clock::now();
     std::vector<double> reaches;
-    for (const Decomposition& d : results) reaches.push_back(reach(d.params.e_max));
+    for (const Decomposition& d : results) reaches.push_back(small_enough(reach(d.params.e_max), piece));
     std::size_t at = 0;
     RunContext part = by_tolerance(whole, results, at);
     part.report(Stage::kPrepare, 0);
     const ComponentInput input = component_input(piece, variant, part);
     results[0].report.timings["prepare"] += seconds_since(start);
-    const ComponentParams params =
-        component_params(common_.params, reaches[0], spacing_bounds(common_.params, norm_), variant);
+    const ComponentParams params = component_params(
+        common_.params, reaches[0], spacing_bounds(common_.params, norm_), variant, piece.size);
     sweep_component(input, params, reaches, part, [&](std::size_t k, ComponentResult fresh) {
       take(k, std::move(fresh), results[k], piece.best);
       if (last) finish(piece, results, part);
