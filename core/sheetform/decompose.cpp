@@ -74,6 +74,10 @@ constexpr double kSpacingSlack = 1 + 1e-9;  // rounding of the units
 // Of the tolerance: so far a mesh may be from its likeness in a given plane. Sheets between one side and the
 // image of the other are near enough to both up to twice the tolerance, but something has to be left to them.
 constexpr double kAsymmetry = 1.6;
+// Lengths that do not follow the tolerance, as that between outline points, are meant for objects of about
+// the input's size. A component smaller than kLeastSize (in diagonals of the input) has shorter ones, and may
+// be off by no more than kMostReach of its own diagonal: beyond that it would keep neither shape nor outside.
+constexpr double kLeastSize = 0.2, kMostReach = 0.1;
 // How far seams may end up from where they were drawn, besides the tolerance, in diagonals.
 constexpr double kDrawnSlack = 0.005;
 
@@ -121,9 +125,13 @@ std::vector<Variant> variants(Effort effort) {
           {Effort::kNormal, {400}, 150, 3}};
 }
 
+// size: of the component, in diagonals of the input.
 ComponentParams component_params(const DecomposeParams& params, double e_max, const SpacingBounds& spacing,
-                                 const Variant& variant) {
+                                 const Variant& variant, double size) {
   ComponentParams c;
+  const double shorter = std::min(1.0, size / kLeastSize);
+  c.evaluation.spacing *= shorter;
+  c.fine_spacing *= shorter;
   c.evaluation.e_max = e_max;
   c.evaluation.max_sides = params.max_sides;
   c.evaluation.self_seams = params.self_seams;
@@ -353,6 +361,7 @@ class Sweep {
     int index, count;  // of how many
     const SurfaceMesh& mesh;
     const ComponentGuides& guides;
+    double size;  // its own diagonal
     std::shared_ptr<const ClosestPointTree> tree;
     TriangleSoup whole;  // of a half: see ComponentInput
     std::shared_ptr<const ClosestPointTree> whole_tree;
@@ -416,11 +425,16 @@ class Sweep {
     user_tree_ = ClosestPointTree(user_soup_.points, user_soup_.faces, context_);
   }
 
+  static double small_enough(double e_max, const Piece& piece) {
+    return piece.size < kLeastSize ? std::min(e_max, kMostReach * piece.size) : e_max;
+  }
+
   ComponentInput component_input(const Piece& piece, const Variant& variant, const RunContext& context) {
     ComponentInput input;
-    input.prepared = working_mesh(
-        piece.mesh, *piece.tree,
-        {common_.params.e_max, common_.params.crease_angle, variant.mesh == Effort::kDraft}, context);
+    input.prepared = working_mesh(piece.mesh, *piece.tree,
+                                  {small_enough(common_.params.e_max, piece), common_.params.crease_angle,
+                                   variant.mesh == Effort::kDraft},
+                                  context);
     take_guides(piece.guides, input, context);
     input.reference = {piece.mesh.points, piece.mesh.faces};
     input.tree = piece.tree;
@@ -454,7 +468,8 @@ class Sweep {
     if (half_) wholes = wholes_of_halves(whole_, mesh_, component, count);
     for (int c = 0; c < count; ++c) {
       const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
-      Piece piece{c, count, mesh, guides[c], nullptr, {}, nullptr, {}, 0, false};
+      Piece piece{c,       count, mesh, guides[c], bounding_box_diagonal(mesh.points), nullptr, {},
+                  nullptr, {},    0,    false};
       piece.tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
       if (half_) {
         piece.whole = std::move(wholes[c]);
@@ -488,14 +503,14 @@ class Sweep {
            std::vector<Decomposition>& results) {
     const auto start = Clock::now();
     std::vector<double> tolerances;
-    for (const Decomposition& d : results) tolerances.push_back(d.params.e_max);
+    for (const Decomposition& d : results) tolerances.push_back(small_enough(d.params.e_max, piece));
     std::size_t at = 0;
     RunContext part = by_tolerance(whole, results, at);
     part.report(Stage::kPrepare, 0);
     const ComponentInput input = component_input(piece, variant, part);
     results[0].report.timings["prepare"] += seconds_since(start);
-    const ComponentParams params =
-        component_params(common_.params, tolerances[0], spacing_bounds(common_.params, norm_), variant);
+    const ComponentParams params = component_params(
+        common_.params, tolerances[0], spacing_bounds(common_.params, norm_), variant, piece.size);
     sweep_component(input, params, tolerances, part, [&](std::size_t k, ComponentResult fresh) {
       take(k, std::move(fresh), results[k], piece.best);
       if (last) finish(piece, results, part);

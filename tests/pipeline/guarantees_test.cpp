@@ -134,6 +134,34 @@ TEST(Guarantees, ProgressGoesForwardOverSeveralComponents) {
   decompose(input, {}, nullptr, context);
 }
 
+void append(const TriangleSoup& one, double scale, const Vector3& shift, TriangleSoup& all) {
+  const int first = static_cast<int>(all.points.size());
+  for (const Vector3& p : one.points) all.points.push_back(scale * p + shift);
+  for (const auto& f : one.faces) all.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+}
+
+int parts_of_component(const Decomposition& d, int component) {
+  return static_cast<int>(std::count_if(d.strips.patches.begin(), d.strips.patches.end(),
+                                        [&](const StripMesh::Patch& p) { return p.component == component; }));
+}
+
+// What is smaller than the tolerance is made as a small thing of its own, neither turned inside out nor cut
+// into more parts for being small.
+TEST(Guarantees, ComponentsSmallerThanTheToleranceKeepTheirShape) {
+  for (const TriangleSoup& shape : {shapes::closed_cylinder(40, 12), shapes::torus(40, 16)})
+    for (double scale : {0.03, 0.005}) {
+      TriangleSoup soup;
+      append(shape, 1, Vector3::Zero(), soup);
+      append(shape, scale, {4, 0, 0}, soup);
+      const Decomposition d = run(soup, with_e_max(0.05));
+      expect_sound(soup, d);
+      EXPECT_TRUE(d.report.e_max_met);
+      EXPECT_LE(parts_of_component(d, 1), 2 * parts_of_component(d, 0) + 2) << scale;
+      for (const std::string& note : d.report.notes)
+        EXPECT_EQ(note.find("thinner"), std::string::npos) << scale << ": " << note;
+    }
+}
+
 TEST(Guarantees, ToleranceOutOfReachIsTold) {
   // Finer than the facets allow at this size: the result is valid and says by how much and where it misses.
   const TriangleSoup soup = shapes::sphere(4);

@@ -331,17 +331,21 @@ std::vector<Vector2> across_rulings(const PatchEvaluation& e) {
   return line;
 }
 
-// Straight between two outline points that share the corners evenly and lie close together.
+constexpr double kNothingWon = 100;  // what a cut that leaves as many corners costs
+
+// Straight between two outline points that share the corners evenly and lie close together. Both halves get a
+// corner at each end of the cut: where one would have as many as before, it ends at corners instead.
 std::vector<Vector2> between_corners(const PatchEvaluation& e) {
   const int n = e.polygon.size(), c = static_cast<int>(e.corners.size());
   double best = kInfinity;
   std::vector<Vector2> line;
   for (int a = 0; a < n; ++a)
     for (int b = a + 2; b < n; ++b) {
-      int inside = 0;
-      for (int k : e.corners) inside += k > a && k < b;
+      int inside = 0, at_ends = 0;
+      for (int k : e.corners) inside += k > a && k < b, at_ends += k == a || k == b;
       const double uneven = std::abs(inside - (c - inside)) / static_cast<double>(c);
-      const double cost = (e.polygon.uv[a] - e.polygon.uv[b]).norm() * (1 + 3 * uneven * uneven);
+      double cost = (e.polygon.uv[a] - e.polygon.uv[b]).norm() * (1 + 3 * uneven * uneven);
+      if (std::max(inside, c - inside - at_ends) + 2 >= c) cost *= kNothingWon;
       if (std::min(b - a, n - b + a) > n / 5 && cost < best)
         best = cost, line = {e.polygon.uv[a], e.polygon.uv[b]};
     }

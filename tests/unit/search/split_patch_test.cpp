@@ -210,6 +210,25 @@ TEST(SplitPatch, SharesCornersUntilNoPatchHasTooManySides) {
   }
 }
 
+// A cut from the middle of a side to that of another leaves two quads of a quad: with three sides allowed
+// that went on down to single faces.
+TEST(SplitPatch, CutsAQuadIntoTwoTriangles) {
+  for (const char* text : {"AAA/AAA/AAA", "AAAAA/AAAAA"}) {
+    Splitter s(drawn(text));
+    EvaluationParams params = evaluation_params(0.02);
+    params.max_sides = 3;
+    Evaluated e(s.mesh, params);
+    const PatchLayout before = s.layout();
+    const auto quad = e.evaluator.patch(before, 0);
+    ASSERT_EQ(quad->verdict, PatchVerdict::kTooManySides);
+    ASSERT_EQ(quad->corners.size(), 4u);
+    ASSERT_FALSE(s.split(0, *quad).empty());
+    const PatchLayout after = s.layout();
+    ASSERT_EQ(after.patches.size(), 2u);
+    for (int p = 0; p < 2; ++p) EXPECT_EQ(e.evaluator.patch(after, p)->corners.size(), 3u) << text;
+  }
+}
+
 Canvas dome_canvas(double k) {
   Canvas dome;
   dome.steps = 20;
