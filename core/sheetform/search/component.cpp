@@ -313,6 +313,7 @@ class ComponentRun {
     if (!params_.evaluation.t_junctions) return;
     search.smooth_what_allows();
     search.remove_arches();
+    if (quick()) return;
     search.smooth_what_allows();
     search.remove_arches();
   }
@@ -321,12 +322,15 @@ class ComponentRun {
     if (!params_.evaluation.t_junctions) return;
     search.improve(tries(search), params_.seed);
     search.clear_regions();
+    if (quick()) return search.smooth_what_allows();
     search.share_out_small();
     search.smooth_what_allows();
     search.smooth_rough_arches();
     search.leave_darts();
     search.share_out_small();
   }
+
+  bool quick() const { return params_.improvements == 0; }
 
   // Few parts are soon tried out, and one cannot become fewer.
   int tries(LayoutSearch& search) const {

@@ -33,10 +33,11 @@ struct ComponentInput {
 struct ComponentParams {
   EvaluationParams evaluation;  ///< e_max is the promised tolerance here
   std::vector<int> seeds{200};  ///< interior seeds of candidate paths, for a search each: the best goes on
-  int improvements = 20;        ///< tries of the local search
-  double fine_spacing = 0.015;  ///< outline samples of the result
-  SpacingBounds spacing;        ///< of the outline points of the result
-  double margin = 0.97;         ///< the search aims at this share of e_max
+  /// Tries of the local search. 0: no other step either that takes long for a few parts less.
+  int improvements = 20;
+  double fine_spacing = 0.015;            ///< outline samples of the result
+  SpacingBounds spacing;                  ///< of the outline points of the result
+  double margin = 0.97;                   ///< the search aims at this share of e_max
   MorphKind morph = MorphKind::kReduced;  ///< gives the last positions; the search takes the reduced one
   std::uint64_t seed = 0;
 };
