@@ -210,9 +210,8 @@ TEST(SymmetricResult, APlaneIsFoundWhereTheMeshFitsItToHalfOfTheTolerance) {
   EXPECT_TRUE(d.report.e_max_met) << "measured against the dented input";
 }
 
-// Of the dented egg with the plane x = 0 given; few = so many parts as the same egg without a dent takes.
-void expect_met_with_few_parts(double depth, double narrow, double e_max, std::size_t few) {
-  const TriangleSoup soup = dented_egg(depth, narrow);
+// With the plane x = 0 given; few = about so many parts as the same without a dent takes.
+void expect_met_with_few_parts(const TriangleSoup& soup, double e_max, std::size_t few) {
   DecomposeParams params = in_plane(Vector3::UnitX(), 0);
   params.e_max = e_max;
   const Decomposition d = run(soup, params, 2);
@@ -223,25 +222,19 @@ void expect_met_with_few_parts(double depth, double narrow, double e_max, std::s
 }
 
 TEST(SymmetricResult, ABumpOnOneSideCostsHardlyAPart) {
-  expect_met_with_few_parts(-0.06, 5, 0.02, 7);  // 1.5 % of the diagonal
-  expect_met_with_few_parts(-0.1, 5, 0.03, 7);   // 2.6 %
+  expect_met_with_few_parts(dented_egg(-0.06, 5), 0.02, 7);  // 1.5 % of the diagonal
+  expect_met_with_few_parts(dented_egg(-0.1, 5), 0.03, 7);   // 2.6 %
 }
 
 TEST(SymmetricResult, ABumpHigherThanTheToleranceIsMetHalfWay) {
-  expect_met_with_few_parts(-0.1, 5, 0.02, 9);  // 2.6 % of the diagonal
+  expect_met_with_few_parts(dented_egg(-0.1, 5), 0.02, 9);  // 2.6 % of the diagonal
 }
 
 TEST(SymmetricResult, ADentThatIsOnlyOnTheOtherSideIsFollowedToo) {
   TriangleSoup soup = dented_egg(-0.06, 5);  // the half that is solved is the one with x > 0
   for (Vector3& p : soup.points) p.x() *= -1;
   for (auto& f : soup.faces) std::swap(f[1], f[2]);
-  DecomposeParams params = in_plane(Vector3::UnitX(), 0);
-  params.e_max = 0.02;
-  const Decomposition d = run(soup, params, 2);
-  expect_sound(soup, d);
-  expect_symmetric(d);
-  EXPECT_TRUE(d.report.e_max_met) << d.report.hausdorff;
-  EXPECT_LE(d.strips.patches.size(), 7u);
+  expect_met_with_few_parts(soup, 0.02, 7);
 }
 
 TEST(SymmetricResult, EverySurfaceIsMeasuredAgainstItsOwnTwoSides) {
@@ -255,13 +248,7 @@ TEST(SymmetricResult, EverySurfaceIsMeasuredAgainstItsOwnTwoSides) {
       soup.points.push_back(p * 0.7 + side * Vector3(1.2, 0, 0));
     for (const auto& f : plain.faces) soup.faces.push_back({f[0] + n, f[1] + n, f[2] + n});
   }
-  DecomposeParams params = in_plane(Vector3::UnitX(), 0);
-  params.e_max = 0.02;
-  const Decomposition d = run(soup, params, 2);
-  expect_sound(soup, d);
-  expect_symmetric(d);
-  EXPECT_TRUE(d.report.e_max_met) << d.report.hausdorff;
-  EXPECT_LE(d.strips.patches.size(), 16u);
+  expect_met_with_few_parts(soup, 0.02, 16);
 }
 
 TEST(SymmetricResult, NormalsAreMeasuredOnBothSides) {

@@ -336,7 +336,8 @@ TEST(FullMorph, SeamsCloseAsTheirWeightGrows) {
   EXPECT_LT(before, 1e-6);
 }
 
-// Triplets let rulings bow the more the more vertices these have, chords do not (method.md 9.2).
+// Triplets bow with about the third to fourth power of the number of vertices, chords do not (method.md 9.2).
+// Outlines are sampled where the mesh has vertices, so that both meshes get rulings of the same kind.
 TEST(FullMorph, RulingsAreStraightToTheDocumentedBow) {
   const RunContext context;
   std::vector<double> triplets, chords;
@@ -344,15 +345,15 @@ TEST(FullMorph, RulingsAreStraightToTheDocumentedBow) {
     GridCuts cuts{{32 * n, 16 * n, true, true}, {}, {}};
     for (int i = 0; i < 8; ++i) cuts.columns.push_back(4 * n * i);
     for (int j = 0; j < 4; ++j) cuts.rows.push_back(4 * n * j);
-    const RuledScene s(shapes::torus(32 * n, 16 * n), cuts);
+    const RuledScene s(shapes::torus(32 * n, 16 * n), cuts, 0.025);
     triplets.push_back(full_morph(s.problem, {}, context).bow);
     chords.push_back(full_morph(s.problem, resolution_independent_weights(), context).bow);
     FullMorphWeights stiff;
     stiff.straight = 1e7;
     EXPECT_LT(full_morph(s.problem, stiff, context).bow, 0.7 * triplets.back());
   }
-  EXPECT_LT(triplets[0], 5e-3);
-  EXPECT_GT(triplets[1], 2 * triplets[0]);
+  EXPECT_LT(triplets[0], 3e-3);
+  EXPECT_GT(triplets[1], 3.5 * triplets[0]);
   EXPECT_LT(chords[0], 3e-5);
   EXPECT_LT(chords[1], 3e-5);
 }
