@@ -48,25 +48,25 @@ void require(bool ok, const std::string& name, const std::string& range) {
   if (!ok) refuse(name + " must be " + range, name, "choose a value in this range");
 }
 
-// One component as a mesh of its own.
-SurfaceMesh component_mesh(const SurfaceMesh& mesh, const std::vector<int>& component, int id,
-                           const RunContext& context) {
+// The faces of one component.
+TriangleSoup component_soup(const SurfaceMesh& mesh, const std::vector<int>& component, int id,
+                            const RunContext& context) {
   context.checkpoint();
   std::vector<int> local(mesh.points.size(), -1);
-  std::vector<Vector3> points;
-  std::vector<std::array<int, 3>> faces;
+  TriangleSoup soup;
   for (int f = 0; f < mesh.face_count(); ++f) {
     if (component[f] != id) continue;
     std::array<int, 3> t{};
     for (int k = 0; k < 3; ++k) {
       int& v = local[mesh.faces[f][k]];
-      if (v < 0) v = static_cast<int>(points.size()), points.push_back(mesh.points[mesh.faces[f][k]]);
+      if (v < 0)
+        v = static_cast<int>(soup.points.size()), soup.points.push_back(mesh.points[mesh.faces[f][k]]);
       t[k] = v;
     }
-    faces.push_back(t);
+    soup.faces.push_back(t);
   }
   context.checkpoint();
-  return build_surface_mesh(std::move(points), std::move(faces));
+  return soup;
 }
 
 constexpr double kFinestSpacing = 0.002;    // of the diagonal: finer outlines would take too long
@@ -464,15 +464,16 @@ class Sweep {
   void decompose_components(std::vector<Decomposition>& results) {
     const auto [component, count] = face_components(mesh_);
     const std::vector<ComponentGuides> guides = guides_by_component(strokes_, mesh_, component, count);
-    std::vector<TriangleSoup> wholes;
-    if (half_) wholes = wholes_of_halves(whole_, mesh_, component, count);
+    std::vector<int> half_of;  // by face of the whole
+    if (half_) half_of = halves_of_whole(whole_, mesh_, component, count);
     for (int c = 0; c < count; ++c) {
-      const SurfaceMesh mesh = component_mesh(mesh_, component, c, context_);
+      TriangleSoup soup = component_soup(mesh_, component, c, context_);
+      const SurfaceMesh mesh = build_surface_mesh(std::move(soup.points), std::move(soup.faces));
       Piece piece{c,       count, mesh, guides[c], bounding_box_diagonal(mesh.points), nullptr, {},
                   nullptr, {},    0,    false};
       piece.tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
       if (half_) {
-        piece.whole = std::move(wholes[c]);
+        piece.whole = component_soup(whole_, half_of, c, context_);
         piece.whole_tree =
             std::make_shared<const ClosestPointTree>(piece.whole.points, piece.whole.faces, context_);
       }

@@ -142,23 +142,12 @@ std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane
   return half;
 }
 
-std::vector<TriangleSoup> wholes_of_halves(const SurfaceMesh& whole, const SurfaceMesh& half,
-                                           const std::vector<int>& component, int count) {
-  std::vector<TriangleSoup> of(count);
-  const auto [own, wholes] = face_components(whole);
-  const std::vector<int> to = nearest_components(whole, own, wholes, half, component, count);
-  std::vector<int> local(whole.points.size(), -1);  // each vertex is of one component
-  for (std::size_t f = 0; f < whole.faces.size(); ++f) {
-    TriangleSoup& soup = of[to[own[f]]];
-    std::array<int, 3> t = whole.faces[f];
-    for (int& v : t) {
-      if (local[v] < 0)
-        local[v] = static_cast<int>(soup.points.size()), soup.points.push_back(whole.points[v]);
-      v = local[v];
-    }
-    soup.faces.push_back(t);
-  }
-  return of;
+std::vector<int> halves_of_whole(const SurfaceMesh& whole, const SurfaceMesh& half,
+                                 const std::vector<int>& component, int count) {
+  auto [half_of, wholes] = face_components(whole);
+  const std::vector<int> to = nearest_components(whole, half_of, wholes, half, component, count);
+  for (int& c : half_of) c = to[c];
+  return half_of;
 }
 
 std::optional<SymmetricHalf> find_symmetric_half(const SurfaceMesh& mesh, double e_max,

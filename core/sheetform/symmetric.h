@@ -44,11 +44,11 @@ struct SymmetricHalf {
 std::optional<SymmetricHalf> symmetric_half(const SurfaceMesh& mesh, const Plane& plane, double reach,
                                             double detail, Asymmetry& why);
 
-/// By component of a half (face_components): what of the whole it and its image stand for, a surface that
-/// goes through the plane or one on each side of it. Both meshes are in the plane's frame. O(n), and a few
-/// queries for each component of the whole.
-std::vector<TriangleSoup> wholes_of_halves(const SurfaceMesh& whole, const SurfaceMesh& half,
-                                           const std::vector<int>& component, int count);
+/// By face of the whole: which component of a half (of `count`, see face_components) and its image stand for
+/// it, a surface that goes through the plane or one on each side of it. Both meshes are in the plane's frame.
+/// O(n), and a few queries for each component of the whole.
+std::vector<int> halves_of_whole(const SurfaceMesh& whole, const SurfaceMesh& half,
+                                 const std::vector<int>& component, int count);
 
 /// The half for the best plane that detect_symmetry finds: the mesh deviates by half of e_max at most,
 /// and of planes alike the one with the shortest cut. None when there is no such plane. Cost: that of

@@ -159,7 +159,7 @@ class LayoutSearch {
   std::vector<int> nearest_of(int patch, const std::vector<int>& takers) const;
   Sharing sharing(int patch, const std::vector<int>& takers) const;
   std::vector<Sharing> sharings(int patch);
-  void apply(const Sharing& s, EditableNetwork& network) const;
+  static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
   std::uint64_t neighbourhood_key(const Patch& patch) const;

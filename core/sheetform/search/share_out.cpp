@@ -136,7 +136,7 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::sharings(int patch) {
   return all;
 }
 
-void LayoutSearch::apply(const Sharing& s, EditableNetwork& network) const {
+void LayoutSearch::apply(const Sharing& s, EditableNetwork& network) {
   network.insert_edges(s.cut, PathKind::kCut);
   network.remove_edges(s.gone);
 }
