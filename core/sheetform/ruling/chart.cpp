@@ -351,11 +351,10 @@ double local_step(const std::vector<RestTriangle>& rest, const std::vector<std::
   return energy;
 }
 
-// From the map given, per local vertex.
-void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
-          const Solver& solver, const Rows2& start, PatchChart& chart) {
+// From the map given to that of least energy, per local vertex.
+Rows2 arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
+           std::vector<std::array<int, 3>> triangles, const Solver& solver, const Rows2& start) {
   const int n = static_cast<int>(place.size());
-  std::vector<std::array<int, 3>> triangles = chart.triangles;
   for (auto& t : triangles)
     for (int& v : t) v = place[v];
   Rows2 x(n, 2), rhs(n, 2);
@@ -369,8 +368,13 @@ void arap(const std::vector<RestTriangle>& rest, const ChartParams& params, cons
     x.swap(rhs);
     solver.solve(x);
   }
-  chart.uv.resize(n);
-  for (int v = 0; v < n; ++v) chart.uv[v] = x.row(place[v]);
+  for (int v = 0; v < n; ++v) rhs.row(v) = x.row(place[v]);
+  return rhs;
+}
+
+void take_places(const Rows2& map, PatchChart& chart) {
+  chart.uv.resize(map.rows());
+  for (int v = 0; v < map.rows(); ++v) chart.uv[v] = map.row(v);
 }
 
 void measure(const std::vector<RestTriangle>& rest, PatchChart& chart) {
@@ -416,16 +420,24 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   const std::vector<int> place = elimination_order(params, chart), loop = outline_of(chart);
   const auto n = static_cast<int>(chart.vertices.size());
   const InnerSolver inner(edges, place, loop);
-  Solver whole;
-  whole.factorise(upper_laplacian(n, place, edges, 1.0));
-  const auto settle = [&](Rows2 start) {
-    inner.solve(Rows2::Zero(n, 2), start);
-    arap(rest, params, place, whole, start, chart);
+  std::optional<Solver> whole;
+  const auto map_to = [&](Rows2 outline) {
+    inner.solve(Rows2::Zero(n, 2), outline);
+    take_places(outline, chart);
+    measure(rest, chart);
+    return outline;
+  };
+  const auto settle = [&](const Rows2& start) {
+    if (!whole) whole.emplace().factorise(upper_laplacian(n, place, edges, 1.0));
+    take_places(arap(rest, params, place, chart.triangles, *whole, start), chart);
     measure(rest, chart);
   };
-  const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop);
-  if (unrolled) settle(*unrolled);
-  if (!unrolled || chart.folded > 0) settle(round_outline(rest, loop, chart.vertices.size()));
+  if (const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop)) {
+    const Rows2 start = map_to(*unrolled);
+    if (chart.folded > 0 || chart.distortion > params.close_enough) settle(start);
+    if (chart.folded == 0) return chart;
+  }
+  settle(map_to(round_outline(rest, loop, chart.vertices.size())));
   return chart;
 }
 
