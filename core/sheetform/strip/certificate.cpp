@@ -101,18 +101,20 @@ Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, cons
   const ClosestPointTree& repaired_tree = repaired && !welded_only ? own : tree;
   c.defects = check_indices(result);
   if (!c.defects.empty()) return c;  // nothing else may be asked
+  SampleHits hits;
   const std::array<std::function<void()>, 3> parts{
-      [&] { c.distance = measure_distance(points, faces, tree, result, samples, context, promised); },
+      [&] { c.distance = measure_distance(points, faces, tree, result, samples, context, promised, hits); },
       [&] {
         c.defects = structure(result, repaired, repaired_tree, max_sides, diagonal_of(input),
                               &c.isometry_error, context);
       },
       [&] {
-        c.normals = repaired ? measure_normals(repaired->points, repaired->faces, repaired_tree, result,
-                                               samples, context)
-                             : measure_normals(points, faces, tree, result, samples, context);
+        if (&repaired_tree != &tree)
+          c.normals =
+              measure_normals(repaired->points, repaired->faces, repaired_tree, result, samples, context);
       }};
   parallel_for(context, static_cast<int>(parts.size()), [&](int i) { parts[i](); });
+  if (&repaired_tree == &tree) c.normals = normals_at(points, faces, result, hits);
   return c;
 }
 

@@ -46,6 +46,13 @@ std::vector<Defect> check_uv_owners(const Whole& whole);                  // S7,
 std::vector<Defect> check_doubled_points(const StripMesh& result, const std::vector<int>& points,
                                          double diagonal);  // S9
 
+/// The strips of all patches in their order as one surface.
+struct Strips {
+  std::vector<Triple> faces;
+  std::vector<int> patch_of;  ///< of each face
+  explicit Strips(const StripMesh& result);
+};
+
 struct AreaSample {
   Vector3 point;
   int face;
@@ -53,6 +60,21 @@ struct AreaSample {
 /// One point in each of `n` equal shares of the area; the same each time.
 std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
                                      const std::vector<std::array<int, 3>>& faces, int n);
+
+/// Samples of both surfaces, and the closest face of the other one to each (of all patches in their order;
+/// -1 for none).
+struct SampleHits {
+  std::vector<AreaSample> on_input, on_result;
+  std::vector<int> to_result, to_input;
+};
+/// measure_distance() that tells what its samples hit.
+DistanceReport measure_distance(const std::vector<Vector3>& points,
+                                const std::vector<std::array<int, 3>>& faces, const ClosestPointTree& tree,
+                                const StripMesh& result, int samples, RunContext& context, double promised,
+                                SampleHits& hits);
+/// measure_normals() from what is known of the samples.
+NormalReport normals_at(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
+                        const StripMesh& result, const SampleHits& hits);
 
 /// A point of the patch to show to people.
 Vector3 place_of(const StripMesh& result, int patch);

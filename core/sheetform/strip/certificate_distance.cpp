@@ -13,6 +13,7 @@ namespace {
 
 using certificate::Farthest;
 using certificate::OneWayDistance;
+using certificate::Strips;
 using certificate::Surface;
 
 // The largest distance is found to this fraction of the diagonal.
@@ -36,19 +37,6 @@ Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>
   const Eigen::Vector2d w = gram.inverse() * (sides.transpose() * (p - points[t[0]]));
   return {1 - w.sum(), w[0], w[1]};
 }
-
-// The strips as one surface.
-struct Strips {
-  std::vector<std::array<int, 3>> faces;
-  std::vector<int> patch_of;  // of each face
-  explicit Strips(const StripMesh& result) {
-    for (std::size_t p = 0; p < result.patches.size(); ++p)
-      for (const StripMesh::Triangle& t : result.patches[p].triangles) {
-        faces.push_back(t.v);
-        patch_of.push_back(static_cast<int>(p));
-      }
-  }
-};
 
 DistanceReport report_of(const StripMesh& result, const Strips& strips, const OneWayDistance& to,
                          const OneWayDistance& back, double far_limit) {
@@ -82,28 +70,38 @@ std::vector<int> all_of(const std::vector<std::array<int, 3>>& faces) {
 
 }  // namespace
 
-DistanceReport measure_distance(const std::vector<Vector3>& points,
-                                const std::vector<std::array<int, 3>>& faces, const ClosestPointTree& tree,
-                                const StripMesh& result, int samples, RunContext& context, double promised) {
+DistanceReport certificate::measure_distance(const std::vector<Vector3>& points,
+                                             const std::vector<std::array<int, 3>>& faces,
+                                             const ClosestPointTree& tree, const StripMesh& result,
+                                             int samples, RunContext& context, double promised,
+                                             SampleHits& hits) {
   const Strips strips(result);
   if (strips.faces.empty() || faces.empty()) return {};
   const Surface in{points, faces}, out{result.points, strips.faces};
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
-  const auto measure = [&](OneWayDistance& way, const Surface& from) {
-    const double mean = way.measure(certificate::area_samples(from.points, from.faces, samples));
+  hits = {area_samples(points, faces, samples), area_samples(result.points, strips.faces, samples), {}, {}};
+  OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
+  std::array<double, 2> means{};
+  parallel_for(context, 2, [&](int i) {
+    OneWayDistance& way = i == 0 ? to : back;
+    means[i] =
+        i == 0 ? to.measure(hits.on_input, &hits.to_result) : back.measure(hits.on_result, &hits.to_input);
     way.find_largest({.finest = kFinest * tree.diagonal(),
                       .settled = promised,
                       .splits = kCertificateSplits,
                       .few_splits = kFewSplits});
-    return mean;
-  };
-  OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
-  std::array<double, 2> means{};
-  parallel_for(context, 2, [&](int i) { means[i] = i == 0 ? measure(to, in) : measure(back, out); });
+  });
   DistanceReport report = report_of(result, strips, to, back, std::numeric_limits<double>::infinity());
   report.mean = (means[0] + means[1]) / 2;
   return report;
+}
+
+DistanceReport measure_distance(const std::vector<Vector3>& points,
+                                const std::vector<std::array<int, 3>>& faces, const ClosestPointTree& tree,
+                                const StripMesh& result, int samples, RunContext& context, double promised) {
+  certificate::SampleHits hits;
+  return certificate::measure_distance(points, faces, tree, result, samples, context, promised, hits);
 }
 
 DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTree& tree,

@@ -4,12 +4,17 @@
 
 #include "sheetform/strip/certificate.h"
 #include "sheetform/strip/certificate_checks.h"
+#include "sheetform/strip/one_way_distance.h"
 
 namespace sheetform {
 namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
+using certificate::AreaSample;
+using certificate::SampleHits;
+using certificate::Strips;
+using certificate::Surface;
 using Faces = std::vector<std::array<int, 3>>;
 
 struct TiltSample {
@@ -18,29 +23,33 @@ struct TiltSample {
   int patch;
 };
 
-Vector3 normal_of(const std::vector<Vector3>& points, const std::array<int, 3>& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+Vector3 normal_of(const Surface& surface, int face) {
+  const auto& t = surface.faces[face];
+  return (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]);
 }
 
-// Samples on one surface against the closest faces of the other. patch(own face, hit face).
+// patch(own face, hit face).
 template <class PatchOf>
-std::vector<TiltSample> tilts(const std::vector<Vector3>& points, const Faces& faces,
-                              const std::vector<Vector3>& other_points, const Faces& other_faces,
-                              const ClosestPointTree& tree, int samples, const PatchOf& patch,
-                              const RunContext& context) {
-  const std::vector<certificate::AreaSample> from = certificate::area_samples(points, faces, samples);
-  std::vector<TiltSample> out(from.size());
+std::vector<TiltSample> tilts(const Surface& from, const Surface& to, const std::vector<AreaSample>& samples,
+                              const std::vector<int>& hits, const PatchOf& patch) {
+  std::vector<TiltSample> out;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (hits[i] < 0) continue;
+    const Vector3 a = normal_of(from, samples[i].face), b = normal_of(to, hits[i]);
+    out.push_back({samples[i].point, kDegrees * angle_between(a, b), patch(samples[i].face, hits[i])});
+  }
+  return out;
+}
+
+std::vector<int> closest_faces(const std::vector<AreaSample>& samples, const ClosestPointTree& tree,
+                               const RunContext& context) {
+  std::vector<int> out(samples.size());
   constexpr int kChunk = 512;
-  const int n = static_cast<int>(from.size());
+  const int n = static_cast<int>(samples.size());
   parallel_for(context, (n + kChunk - 1) / kChunk, [&](int chunk) {
     context.checkpoint();
-    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-      const ClosestPoint hit = tree.closest(from[i].point);
-      if (hit.face < 0) continue;
-      const Vector3 a = normal_of(points, faces[from[i].face]),
-                    b = normal_of(other_points, other_faces[hit.face]);
-      out[i] = {from[i].point, kDegrees * angle_between(a, b), patch(from[i].face, hit.face)};
-    }
+    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
+      out[i] = tree.closest(samples[i].point).face;
   });
   context.checkpoint();
   return out;
@@ -82,29 +91,30 @@ void take(const std::vector<TiltSample>& samples, NormalReport& report) {
 
 }  // namespace
 
+NormalReport certificate::normals_at(const std::vector<Vector3>& points, const Faces& faces,
+                                     const StripMesh& result, const SampleHits& hits) {
+  NormalReport report;
+  report.patch_quantile.assign(result.patches.size(), 0);
+  const Strips strips(result);
+  const Surface in{points, faces}, out{result.points, strips.faces};
+  const std::vector<int>& patch_of = strips.patch_of;
+  take(tilts(in, out, hits.on_input, hits.to_result, [&](int, int hit) { return patch_of[hit]; }), report);
+  take(tilts(out, in, hits.on_result, hits.to_input, [&](int own, int) { return patch_of[own]; }), report);
+  return report;
+}
+
 NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& faces,
                              const ClosestPointTree& tree, const StripMesh& result, int samples,
                              RunContext& context) {
-  NormalReport report;
-  report.patch_quantile.assign(result.patches.size(), 0);
-  Faces strips;
-  std::vector<int> patch_of;
-  for (std::size_t p = 0; p < result.patches.size(); ++p)
-    for (const StripMesh::Triangle& t : result.patches[p].triangles) {
-      strips.push_back(t.v);
-      patch_of.push_back(static_cast<int>(p));
-    }
-  if (faces.empty() || strips.empty()) return report;
-  const ClosestPointTree strip_tree(result.points, strips, context);
-  take(tilts(
-           points, faces, result.points, strips, strip_tree, samples,
-           [&](int, int hit) { return patch_of[hit]; }, context),
-       report);
-  take(tilts(
-           result.points, strips, points, faces, tree, samples, [&](int own, int) { return patch_of[own]; },
-           context),
-       report);
-  return report;
+  const Faces strips = Strips(result).faces;
+  SampleHits hits;
+  if (!faces.empty() && !strips.empty()) {
+    hits.on_input = certificate::area_samples(points, faces, samples);
+    hits.on_result = certificate::area_samples(result.points, strips, samples);
+    hits.to_result = closest_faces(hits.on_input, ClosestPointTree(result.points, strips, context), context);
+    hits.to_input = closest_faces(hits.on_result, tree, context);
+  }
+  return certificate::normals_at(points, faces, result, hits);
 }
 
 }  // namespace sheetform

@@ -1,4 +1,4 @@
-// Points spread evenly over a surface, for the measurements of the certificate.
+// The strips as one surface, and points spread evenly over a surface, for the certificate's measurements.
 #include <cmath>
 #include <cstdint>
 
@@ -15,6 +15,14 @@ double unit_noise(std::uint64_t i) {  // SplitMix64, a fixed stream: results dep
 }
 
 }  // namespace
+
+Strips::Strips(const StripMesh& result) {
+  for (std::size_t p = 0; p < result.patches.size(); ++p)
+    for (const StripMesh::Triangle& t : result.patches[p].triangles) {
+      faces.push_back(t.v);
+      patch_of.push_back(static_cast<int>(p));
+    }
+}
 
 // Inside a face the R2 sequence (Roberts) spreads them.
 std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,

@@ -85,9 +85,12 @@ void OneWayDistance::keep(const Vector3& point, int face, const ClosestPoint& hi
   if (d > max) max = d, worst = point;
 }
 
-double OneWayDistance::measure(const std::vector<AreaSample>& samples) {
+double OneWayDistance::measure(const std::vector<AreaSample>& samples, std::vector<int>* hits) {
   double sum = 0;
-  for (const Hit& hit : hits_of(samples)) sum += hit.distance;
+  for (const Hit& hit : hits_of(samples)) {
+    sum += hit.distance;
+    if (hits != nullptr) hits->push_back(hit.face);
+  }
   return samples.empty() ? 0 : sum / static_cast<double>(samples.size());
 }
 

@@ -40,8 +40,8 @@ class OneWayDistance {
   OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree, double enough,
                  const RunContext& context);
 
-  /// Measures from each sample and gives the mean distance.
-  double measure(const std::vector<AreaSample>& samples);
+  /// Measures from each sample and gives the mean distance; hits: the closest face of each sample.
+  double measure(const std::vector<AreaSample>& samples, std::vector<int>* hits = nullptr);
 
   struct Goal {
     double finest = 0;   ///< by how much a larger distance may be missed
