@@ -82,18 +82,15 @@ DistanceReport certificate::measure_distance(const std::vector<Vector3>& points,
   context.checkpoint();
   hits = {area_samples(points, faces, samples), area_samples(result.points, strips.faces, samples), {}, {}};
   OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
-  std::array<double, 2> means{};
-  parallel_for(context, 2, [&](int i) {
-    OneWayDistance& way = i == 0 ? to : back;
-    means[i] =
-        i == 0 ? to.measure(hits.on_input, &hits.to_result) : back.measure(hits.on_result, &hits.to_input);
-    way.find_largest({.finest = kFinest * tree.diagonal(),
-                      .settled = promised,
-                      .splits = kCertificateSplits,
-                      .few_splits = kFewSplits});
-  });
+  const double mean_to = to.measure(hits.on_input, &hits.to_result),
+               mean_back = back.measure(hits.on_result, &hits.to_input);
+  for (OneWayDistance* way : {&to, &back})
+    way->find_largest({.finest = kFinest * tree.diagonal(),
+                       .settled = promised,
+                       .splits = kCertificateSplits,
+                       .few_splits = kFewSplits});
   DistanceReport report = report_of(result, strips, to, back, std::numeric_limits<double>::infinity());
-  report.mean = (means[0] + means[1]) / 2;
+  report.mean = (mean_to + mean_back) / 2;
   return report;
 }
 
@@ -118,16 +115,12 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   context.checkpoint();
   const double enough = kSettled * limit;
   OneWayDistance to(in, out, result_tree, enough, context), back(out, in, tree, enough, context);
-  parallel_for(context, 2, [&](int i) {
-    const Surface& from = i == 0 ? in : out;
-    (i == 0 ? to : back).measure(certificate::area_samples(from.points, from.faces, kGlances));
-  });
+  to.measure(certificate::area_samples(in.points, in.faces, kGlances));
+  back.measure(certificate::area_samples(out.points, out.faces, kGlances));
   const int splits = std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
-  parallel_for(context, 2, [&](int i) {
-    const std::vector<int> faces =
-        i == 0 ? far_faces(tree, result_tree, limit, context) : all_of(strips.faces);
-    (i == 0 ? to : back).find_beyond(faces, limit, splits);
-  });
+  const std::vector<int> from_input = far_faces(tree, result_tree, limit, context),
+                         from_result = all_of(strips.faces);
+  certificate::find_beyond({{{to, from_input}, {back, from_result}}}, limit, splits, context);
   return report_of(result, strips, to, back, limit);
 }
 

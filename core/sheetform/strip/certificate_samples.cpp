@@ -1,5 +1,4 @@
 // The strips as one surface, and points spread evenly over a surface, for the certificate's measurements.
-#include <cmath>
 #include <cstdint>
 
 #include "sheetform/strip/certificate_checks.h"
@@ -13,6 +12,8 @@ double unit_noise(std::uint64_t i) {  // SplitMix64, a fixed stream: results dep
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
 }
+
+double fraction(double x) { return x - static_cast<double>(static_cast<std::int64_t>(x)); }  // of x >= 0
 
 }  // namespace
 
@@ -39,7 +40,7 @@ std::vector<AreaSample> area_samples(const std::vector<Vector3>& points,
   for (int i = 0; i < n; ++i) {
     const double target = (i + unit_noise(static_cast<std::uint64_t>(i))) / n * total;
     while (f + 1 < faces.size() && sum[f] <= target) ++f;
-    double a = std::fmod(0.5 + i * 0.7548776662466927, 1.0), b = std::fmod(0.5 + i * 0.5698402909980532, 1.0);
+    double a = fraction(0.5 + i * 0.7548776662466927), b = fraction(0.5 + i * 0.5698402909980532);
     if (a + b > 1) a = 1 - a, b = 1 - b;
     const auto& t = faces[f];
     out.push_back({(1 - a - b) * points[t[0]] + a * points[t[1]] + b * points[t[2]], static_cast<int>(f)});

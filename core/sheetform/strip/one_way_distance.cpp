@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <queue>
 #include <utility>
@@ -13,7 +14,7 @@ namespace {
 
 // Pieces that are split at once: more than threads need, few enough that all are near the top of the queue.
 constexpr std::size_t kAtOnce = 512;
-// Faces that are searched one after another for places beyond a limit.
+// Pieces, or faces to look for places beyond a limit in, that one thread takes at once.
 constexpr int kTogether = 32;
 // In a face where a place beyond the limit is known, one is only looked for that is worse by this share of
 // the limit, and by more where that place is far beyond it.
@@ -51,10 +52,6 @@ struct OneWayDistance::Piece {
   std::array<Hit, 3> hits;
   int face = -1;
   double bound = std::numeric_limits<double>::infinity();  // no point of the piece is farther
-  std::int64_t order = 0;                                  // of making, which decides between equal bounds
-  bool operator<(const Piece& other) const {
-    return bound != other.bound ? bound < other.bound : order > other.order;
-  }
 };
 
 // What was found where a piece was split.
@@ -174,41 +171,79 @@ OneWayDistance::Probe OneWayDistance::split(const Piece& piece, std::array<Piece
 }
 
 // A queue that only takes pieces that may matter, and tells what the others are bounded by. known: by face,
-// what a piece has to reach beyond.
+// what a piece has to reach beyond. Only places are moved about in the heap, pieces are ten times as large.
 class OneWayDistance::Open {
  public:
   explicit Open(std::function<double(int)> known) : known_(std::move(known)) {}
-  void push(Piece piece) {
-    piece.order = made_++;
-    if (matters(piece)) queue_.push(piece);
+  void push(const Piece& piece) {
+    if (!matters(piece)) return;
+    int slot = static_cast<int>(pieces_.size());
+    if (free_.empty())
+      pieces_.push_back(piece);
+    else
+      slot = free_.back(), free_.pop_back(), pieces_[slot] = piece;
+    queue_.push({piece.bound, made_++, slot});
   }
   std::vector<Piece> pop(std::size_t most) {
     std::vector<Piece> out;
-    for (; !queue_.empty() && out.size() < most; queue_.pop())
-      if (matters(queue_.top())) out.push_back(queue_.top());
+    for (; !queue_.empty() && out.size() < most; queue_.pop()) {
+      const int slot = queue_.top().slot;
+      if (matters(pieces_[slot])) out.push_back(pieces_[slot]);
+      free_.push_back(slot);
+    }
     return out;
   }
   double bound() const { return std::max(left_, queue_.empty() ? 0 : queue_.top().bound); }
+  // Takes over what the other has not split, where it still matters.
+  void take(Open& other) {
+    left_ = std::max(left_, other.left_);
+    for (; !other.queue_.empty(); other.queue_.pop()) push(other.pieces_[other.queue_.top().slot]);
+  }
 
  private:
+  struct Entry {
+    double bound;
+    std::int64_t order;  // of making, which decides between equal bounds
+    int slot;
+    bool operator<(const Entry& other) const {
+      return bound != other.bound ? bound < other.bound : order > other.order;
+    }
+  };
   bool matters(const Piece& piece) {
     if (piece.bound > known_(piece.face)) return true;
     left_ = std::max(left_, piece.bound);
     return false;
   }
   std::function<double(int)> known_;
-  std::priority_queue<Piece> queue_;
+  std::priority_queue<Entry> queue_;
+  std::vector<Piece> pieces_;  // by slot
+  std::vector<int> free_;      // slots
   std::int64_t made_ = 0;
   double left_ = 0;
 };
+
+// One after another, at most so many. found: told of each probe before the next piece is taken.
+std::vector<OneWayDistance::Probe> OneWayDistance::split_all(
+    Open& open, int splits, const std::function<void(int, double)>& found) const {
+  std::vector<Probe> probes;
+  while (static_cast<int>(probes.size()) < splits) {
+    const std::vector<Piece> now = open.pop(1);
+    if (now.empty()) break;
+    std::array<Piece, 2> halves;
+    const Probe& probe = probes.emplace_back(split(now[0], halves));
+    found(probe.face, std::sqrt(probe.hit.squared_distance));
+    for (const Piece& half : halves) open.push(half);
+  }
+  return probes;
+}
 
 void OneWayDistance::find_largest(const Goal& goal) {
   std::vector<int> faces(from_.faces.size());
   std::iota(faces.begin(), faces.end(), 0);
   const std::vector<Hit> vertices = vertex_hits(faces);
   Open open([this, finest = goal.finest](int) { return max + finest; });
-  for (int f : faces) open.push(whole_face(f, vertices));
-  for (int done = 0; done < goal.splits;) {
+  int done = split_in_groups(vertices, goal, open);
+  while (done < goal.splits) {
     context_.checkpoint();
     if (done >= goal.few_splits && open.bound() <= goal.settled) break;
     const std::vector<Piece> now = open.pop(std::min(kAtOnce, static_cast<std::size_t>(goal.splits - done)));
@@ -217,7 +252,10 @@ void OneWayDistance::find_largest(const Goal& goal) {
     done += n;
     std::vector<Probe> probes(now.size());
     std::vector<std::array<Piece, 2>> pairs(now.size());
-    parallel_for(context_, n, [&](int i) { probes[i] = split(now[i], pairs[i]); });
+    parallel_for(context_, (n + kTogether - 1) / kTogether, [&](int g) {
+      for (int i = g * kTogether; i < std::min(n, (g + 1) * kTogether); ++i)
+        probes[i] = split(now[i], pairs[i]);
+    });
     for (const Probe& p : probes) keep(p.point, p.face, p.hit);
     for (const auto& pair : pairs)
       for (const Piece& half : pair) open.push(half);
@@ -225,18 +263,52 @@ void OneWayDistance::find_largest(const Goal& goal) {
   at_most = std::max(max, open.bound());
 }
 
-void OneWayDistance::find_beyond(const std::vector<int>& faces, double limit, int splits) {
-  const std::vector<Hit> vertices = vertex_hits(faces);
-  const int n = static_cast<int>(faces.size()), groups = (n + kTogether - 1) / kTogether;
+// The few splits, shared out among groups of faces that threads take one by one; what they leave is opened.
+int OneWayDistance::split_in_groups(const std::vector<Hit>& vertices, const Goal& goal, Open& open) {
+  const int n = static_cast<int>(from_.faces.size()), groups = (n + kTogether - 1) / kTogether;
   std::vector<std::vector<Probe>> found(groups);
+  std::vector<std::unique_ptr<Open>> left(groups);
   parallel_for(context_, groups, [&](int g) {
     context_.checkpoint();
-    const int first = g * kTogether, count = std::min(kTogether, n - first);
-    const auto share = static_cast<int>(static_cast<std::int64_t>(splits) * count / n) + 1;
-    found[g] = probes_beyond(&faces[first], count, vertices, limit, share);
+    const int first = g * kTogether, last = std::min(n, first + kTogether);
+    double largest = max;
+    left[g] = std::make_unique<Open>([&](int) { return largest + goal.finest; });
+    for (int f = first; f < last; ++f) left[g]->push(whole_face(f, vertices));
+    const auto share = static_cast<int>(static_cast<std::int64_t>(goal.few_splits) * (last - first) / n);
+    found[g] =
+        split_all(*left[g], share, [&](int, double distance) { largest = std::max(largest, distance); });
   });
+  int done = 0;
   for (const auto& probes : found)
-    for (const Probe& p : probes) keep(p.point, p.face, p.hit);
+    for (const Probe& p : probes) keep(p.point, p.face, p.hit), ++done;
+  for (const auto& rest : left) open.take(*rest);
+  return done;
+}
+
+// Groups of both ways in one loop: else the longer way would be left to one thread.
+void find_beyond(const std::array<OneWayDistance::Faces, 2>& ways, double limit, int splits,
+                 const RunContext& context) {
+  struct Group {
+    int way, first, count;
+    std::vector<OneWayDistance::Probe> found;
+  };
+  std::vector<Group> groups;
+  std::array<std::vector<OneWayDistance::Hit>, 2> vertices;
+  for (int w = 0; w < 2; ++w) {
+    const int n = static_cast<int>(ways[w].faces.size());
+    vertices[w] = ways[w].way.vertex_hits(ways[w].faces);
+    for (int i = 0; i < n; i += kTogether) groups.push_back({w, i, std::min(kTogether, n - i), {}});
+  }
+  parallel_for(context, static_cast<int>(groups.size()), [&](int i) {
+    context.checkpoint();
+    Group& g = groups[i];
+    const auto& [way, faces] = ways[g.way];
+    const double share = static_cast<double>(g.count) / static_cast<double>(faces.size());
+    g.found = way.probes_beyond(&faces[g.first], g.count, vertices[g.way], limit,
+                                static_cast<int>(share * splits) + 1);
+  });
+  for (const Group& g : groups)
+    for (const OneWayDistance::Probe& p : g.found) ways[g.way].way.keep(p.point, p.face, p.hit);
 }
 
 // The splits of these faces, which ascend, one after another.
@@ -255,16 +327,8 @@ std::vector<OneWayDistance::Probe> OneWayDistance::probes_beyond(const int* face
     largest[i] = from_face.at(faces[i]);
     open.push(whole_face(faces[i], vertices));
   }
-  std::vector<Probe> probes;
-  while (static_cast<int>(probes.size()) < splits) {
-    const std::vector<Piece> now = open.pop(1);
-    if (now.empty()) break;
-    std::array<Piece, 2> halves;
-    const Probe& probe = probes.emplace_back(split(now[0], halves));
-    here(probe.face) = std::max(here(probe.face), std::sqrt(probe.hit.squared_distance));
-    for (const Piece& half : halves) open.push(half);
-  }
-  return probes;
+  return split_all(open, splits,
+                   [&](int face, double distance) { here(face) = std::max(here(face), distance); });
 }
 
 }  // namespace sheetform::certificate

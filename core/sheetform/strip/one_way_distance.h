@@ -1,5 +1,7 @@
 // The largest distance from one surface to another: branch and bound over its faces.
 #pragma once
+#include <array>
+#include <functional>
 #include <vector>
 
 #include "sheetform/mesh/closest_point.h"
@@ -52,10 +54,14 @@ class OneWayDistance {
   /// known, the most promising first. Cost: a query for each vertex and split.
   void find_largest(const Goal& goal);
 
-  /// The same for places beyond a limit, over `faces` in ascending order: the worst place beyond it of each
-  /// face is found to a thousandth of the limit (a tenth, where it is far beyond). At most about so many
-  /// splits in all.
-  void find_beyond(const std::vector<int>& faces, double limit, int splits);
+  struct Faces {
+    OneWayDistance& way;
+    const std::vector<int>& faces;  // of its own surface, ascending
+  };
+  /// The same both ways for places beyond a limit: the worst place beyond it of each face is found to a
+  /// thousandth of the limit (a tenth, where it is far beyond). At most about so many splits each way.
+  friend void find_beyond(const std::array<Faces, 2>& ways, double limit, int splits,
+                          const RunContext& context);
 
   double max = 0;      ///< largest distance found
   double at_most = 0;  ///< after find_largest(): no point is farther
@@ -77,6 +83,8 @@ class OneWayDistance {
   Piece whole_face(int face, const std::vector<Hit>& vertices) const;
   double bound_of(const Piece& piece) const;
   Probe split(const Piece& piece, std::array<Piece, 2>& halves) const;
+  std::vector<Probe> split_all(Open& open, int splits, const std::function<void(int, double)>& found) const;
+  int split_in_groups(const std::vector<Hit>& vertices, const Goal& goal, Open& open);
   std::vector<Probe> probes_beyond(const int* faces, int count, const std::vector<Hit>& vertices,
                                    double limit, int splits) const;
 
@@ -85,5 +93,8 @@ class OneWayDistance {
   double enough_;
   const RunContext& context_;
 };
+
+void find_beyond(const std::array<OneWayDistance::Faces, 2>& ways, double limit, int splits,
+                 const RunContext& context);
 
 }  // namespace sheetform::certificate
