@@ -327,7 +327,6 @@ class ComponentRun {
     search.smooth_what_allows();
     search.smooth_rough_arches();
     search.leave_darts();
-    search.share_out_small();
   }
 
   bool quick() const { return params_.improvements == 0; }

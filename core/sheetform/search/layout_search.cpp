@@ -273,14 +273,22 @@ std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
   return faces;
 }
 
-// What the region becomes under another network, when all of its patches are viable alone.
+bool LayoutSearch::too_round(const PatchLayout& layout, const Patch& patch) const {
+  double outline = 0, gauss = 0;
+  for (const ArchUse& use : patch.boundary) outline += layout.arches[use.arch].length;
+  for (int f : patch.faces) gauss += (*face_gauss_)[f];
+  return too_round(patch.area, outline, gauss);
+}
+
+// What the region becomes under another network, when all of its patches are viable alone. look_first: those
+// that are too round are refused unseen.
 std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, const std::vector<int>& faces,
-                                                     double* excess) {
+                                                     double* excess, bool look_first) {
   const PatchLayout region = extract_region(surface_.mesh, trial, surface_.versions, rules_, faces);
   RegionFit fit;
   fit.patches = static_cast<int>(region.patches.size());
   for (const Patch& p : region.patches)
-    if (p.defect != TopologyDefect::kNone) return std::nullopt;
+    if (p.defect != TopologyDefect::kNone || (look_first && too_round(region, p))) return std::nullopt;
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(region.patches.size());
   std::atomic<bool> viable{true};
   parallel_for(context_, fit.patches, [&](int p) {

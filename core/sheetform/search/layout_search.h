@@ -110,7 +110,7 @@ class LayoutSearch {
   std::vector<int> faces_of(const std::vector<int>& patches) const;
   /// excess: where the region is one patch that is too far off, its error relative to e_max.
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
-                                         double* excess = nullptr);
+                                         double* excess = nullptr, bool look_first = false);
   bool region_fits(const std::vector<int>& faces);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
@@ -184,6 +184,8 @@ class LayoutSearch {
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
   bool covers_hopeless(const std::vector<int>& patches) const;
   bool too_round(const std::vector<int>& beside, double inner_length) const;
+  bool too_round(const PatchLayout& layout, const Patch& patch) const;
+  bool too_round(double area, double outline, double gauss) const;
   bool may_go(const Arch& arch) const;
   std::vector<Removal> whole_arches(const PatchLayout& now) const;
   std::vector<Removal> dart_leavers(const PatchLayout& now) const;

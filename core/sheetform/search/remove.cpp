@@ -174,9 +174,7 @@ bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::v
   return corners > params_.evaluation.max_sides;
 }
 
-// Whether the patches beside these edges bend both ways by too much to become one that any strips follow
-// within the tolerance: told by the root of the mean Gaussian curvature over the squared width, which is what
-// a sagitta is. O(faces).
+// Whether the patches beside these edges bend both ways by too much to become one. O(faces).
 bool LayoutSearch::too_round(const std::vector<int>& beside, double inner_length) const {
   double area = 0, outline = -2 * inner_length, gauss = 0;
   for (int p : beside) {
@@ -185,6 +183,12 @@ bool LayoutSearch::too_round(const std::vector<int>& beside, double inner_length
     for (const ArchUse& use : patch.boundary) outline += layout_.arches[use.arch].length;
     for (int f : patch.faces) gauss += (*face_gauss_)[f];
   }
+  return too_round(area, outline, gauss);
+}
+
+// Whether no strips follow such a patch within the tolerance: told by the root of the mean Gaussian curvature
+// over the squared width, which is what a sagitta is.
+bool LayoutSearch::too_round(double area, double outline, double gauss) const {
   const double width = 2 * area / std::max(outline, 1e-9);
   return std::sqrt(gauss / area) * width * width > kTooRound * params_.evaluation.e_max;
 }

@@ -1,5 +1,7 @@
 // The part of the search that shares a small patch out among its neighbours.
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <queue>
 #include <set>
@@ -43,13 +45,16 @@ std::vector<LayoutSearch::Taker> LayoutSearch::takers_of(int patch) {
 std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& takers) const {
   const SurfaceMesh& mesh = surface_.mesh;
   const PathNetwork& net = network_.network();
-  const std::vector<int>& faces = layout_.patches[patch].faces;
-  std::map<int, std::pair<double, int>> nearest;  // by face
+  const std::vector<int>& faces = layout_.patches[patch].faces;  // ascending
+  const auto place_of = [&](int f) {
+    return std::lower_bound(faces.begin(), faces.end(), f) - faces.begin();
+  };
+  std::vector<std::pair<double, int>> nearest(faces.size(), {std::numeric_limits<double>::infinity(), -1});
   std::priority_queue<std::tuple<double, int, int>> open;
   const auto reach = [&](int f, double distance, int taker) {
-    const auto [it, fresh] = nearest.emplace(f, std::pair(distance, taker));
-    if (!fresh && it->second.first <= distance) return;
-    it->second = {distance, taker};
+    std::pair<double, int>& known = nearest[place_of(f)];
+    if (known.first <= distance) return;
+    known = {distance, taker};
     open.emplace(-distance, f, taker);
   };
   for (int f : faces)
@@ -63,7 +68,7 @@ std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& tak
   while (!open.empty()) {
     const auto [distance, f, taker] = open.top();
     open.pop();
-    if (nearest.at(f) != std::pair(-distance, taker)) continue;
+    if (nearest[place_of(f)] != std::pair(-distance, taker)) continue;
     for (int k = 0; k < 3; ++k) {
       const int g = mesh.face_neighbours[f][k];
       if (g < 0 || layout_.face_patch[g] != patch || net.used(mesh.face_edges[f][k])) continue;
@@ -71,10 +76,9 @@ std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& tak
     }
   }
   std::vector<int> to;
-  for (int f : faces) {
-    const auto it = nearest.find(f);
-    if (it == nearest.end()) return {};
-    to.push_back(it->second.second);
+  for (const auto& [distance, taker] : nearest) {
+    if (taker < 0) return {};
+    to.push_back(taker);
   }
   return to;
 }
@@ -86,14 +90,15 @@ LayoutSearch::Sharing LayoutSearch::sharing(int patch, const std::vector<int>& t
   const std::vector<int> to = nearest_of(patch, takers);
   if (to.empty()) return s;
   const std::vector<int>& own = layout_.patches[patch].faces;
-  std::map<int, int> taker;
-  for (std::size_t i = 0; i < own.size(); ++i) taker[own[i]] = to[i];
   const auto patch_at = [&](int f) {
-    const auto it = taker.find(f);
-    return it == taker.end() ? layout_.face_patch[f] : it->second;
+    if (layout_.face_patch[f] != patch) return layout_.face_patch[f];
+    return to[std::lower_bound(own.begin(), own.end(), f) - own.begin()];
   };
-  std::set<int> edges;
-  for (int f : own) edges.insert(surface_.mesh.face_edges[f].begin(), surface_.mesh.face_edges[f].end());
+  std::vector<int> edges;
+  for (int f : own)
+    edges.insert(edges.end(), surface_.mesh.face_edges[f].begin(), surface_.mesh.face_edges[f].end());
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const PathNetwork& net = network_.network();
   for (int e : edges) {
     const auto& edge = surface_.mesh.edges[e];
@@ -121,18 +126,21 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::sharings(int patch) {
   for (std::size_t i = 0; i < takers.size() && takers.size() <= kMostNeighbours; ++i)
     for (std::size_t j = i + 1; j < takers.size(); ++j) choices.push_back({takers[i], takers[j]});
   if (takers.size() > 2) choices.push_back(takers);
-  std::vector<Sharing> all;
-  for (const std::vector<int>& choice : choices) {
-    Sharing s = sharing(patch, choice);
-    if (s.gone.empty()) continue;
+  std::vector<std::vector<Sharing>> found(choices.size());
+  parallel_for(context_, static_cast<int>(choices.size()), [&](int i) {
+    Sharing s = sharing(patch, choices[i]);
+    if (s.gone.empty()) return;
     EditableNetwork cut = network_;
     cut.insert_edges(s.cut, PathKind::kCut);
     Sharing trimmed = s;
     trimmed.gone = with_loose_ends(cut.network(), s.gone);
     const bool loose = trimmed.gone.size() != s.gone.size();
-    if (!trimmed.gone.empty()) all.push_back(std::move(trimmed));
-    if (loose && rules_.darts) all.push_back(std::move(s));
-  }
+    if (!trimmed.gone.empty()) found[i].push_back(std::move(trimmed));
+    if (loose && rules_.darts) found[i].push_back(std::move(s));
+  });
+  std::vector<Sharing> all;
+  for (std::vector<Sharing>& some : found)
+    all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
   return all;
 }
 
@@ -158,7 +166,7 @@ bool LayoutSearch::share_out(int patch) {
   parallel_for(context_, static_cast<int>(all.size()), [&](int i) {
     EditableNetwork trial = network_;
     apply(all[i], trial);
-    const auto fit = viable_region(trial.network(), all[i].faces);
+    const auto fit = viable_region(trial.network(), all[i].faces, nullptr, true);
     viable[i] = fit && fit->patches < all[i].patches;
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
