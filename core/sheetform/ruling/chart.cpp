@@ -14,6 +14,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Rows2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;  // a place in the plane per row
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostChange = 0.8;  // of a length of the outline
+constexpr int kInnerIterations = 3;  // with the outline held: exact on cones, where clamped weights are not
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -421,8 +422,13 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   const auto n = static_cast<int>(chart.vertices.size());
   const InnerSolver inner(edges, place, loop);
   std::optional<Solver> whole;
-  const auto map_to = [&](Rows2 outline) {
-    inner.solve(Rows2::Zero(n, 2), outline);
+  const auto map_to = [&](Rows2 outline, int iterations) {
+    Rows2 load = Rows2::Zero(n, 2);
+    inner.solve(load, outline);
+    for (int i = 0; i < iterations; ++i) {
+      local_step(rest, chart.triangles, outline, load);
+      inner.solve(load, outline);
+    }
     take_places(outline, chart);
     measure(rest, chart);
     return outline;
@@ -433,11 +439,11 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
     measure(rest, chart);
   };
   if (const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop)) {
-    const Rows2 start = map_to(*unrolled);
+    const Rows2 start = map_to(*unrolled, kInnerIterations);
     if (chart.folded > 0 || chart.distortion > params.close_enough) settle(start);
     if (chart.folded == 0) return chart;
   }
-  settle(map_to(round_outline(rest, loop, chart.vertices.size())));
+  settle(map_to(round_outline(rest, loop, chart.vertices.size()), 0));
   return chart;
 }
 

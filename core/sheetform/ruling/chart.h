@@ -20,7 +20,7 @@ struct PatchChart {
 struct ChartParams {
   int max_iterations = 4;
   double stop = 5e-3;          ///< relative decrease of the energy
-  double close_enough = 0.02;  ///< distortion of the conformal map up to which it is taken as it is
+  double close_enough = 0.02;  ///< distortion up to which the outline of the conformal map is left as it is
   /// Rank of each mesh vertex in a fill-reducing order of the whole mesh; null = as they come.
   const std::vector<int>* elimination_rank = nullptr;
 };
@@ -28,12 +28,12 @@ struct ChartParams {
 /// A fill-reducing order of all vertices (approximate minimum degree): any patch factorises well in it.
 std::vector<int> elimination_rank(const SurfaceMesh& mesh);
 
-/// The conformal map that keeps the lengths of the outline (or, where that folds over, Tutte's on a circle),
-/// then, where it distorts by much, local/global iterations (method.md 8.2): from there three or four do, from
-/// the circle long patches are far from settled after twenty. Strips come from the outline, so where little is
-/// stretched inside of it iterations change nothing in the parts needed, and cost as much as all the rest. The
-/// patch must be a disk when cut open. Cost: one sparse factorisation of the inner vertices and, for
-/// iterations, one of all vertices.
+/// The conformal outline that keeps its lengths (or, where the map folds over, Tutte's on a circle), the
+/// inside settled by local/global iterations (method.md 8.2). Where that distorts by much, the outline takes
+/// part in some more: from there three or four do, from the circle long patches are far from settled after
+/// twenty. Where it does not, these would change nothing in the parts needed and cost as much as all the
+/// rest. The patch must be a disk when cut open. Cost: one sparse factorisation of the inner vertices and,
+/// where the outline moves, one of all vertices.
 PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
                        const ChartParams& params);
 

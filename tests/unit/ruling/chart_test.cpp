@@ -18,7 +18,7 @@ using shapes::Drawing;
 using shapes::drawn;
 using shapes::OnePatch;
 
-const ChartParams kConverged{400, 0};
+const ChartParams kConverged{400, 0, 0};
 
 struct Sheet {
   const char* name;
@@ -85,10 +85,17 @@ TEST_P(NotDevelopable, StrainsButDoesNotFold) {
 TEST_P(NotDevelopable, MoreIterationsStrainLess) {
   double last = 1e9;
   for (int iterations : {0, 1, 3, 10, 100}) {
-    const OnePatch o(GetParam().soup, {iterations, 0});
+    const OnePatch o(GetParam().soup, {iterations, 0, 0});
     EXPECT_LT(o.chart.distortion, last * 1.001) << iterations;
     last = o.chart.distortion;
   }
+}
+TEST_P(NotDevelopable, TheOutlineStaysWhereTheMapIsCloseEnough) {
+  const TriangleSoup& soup = GetParam().soup;
+  const OnePatch held(soup, {0, 0, 0}), settled(soup, {4, 0, 0});
+  const double most = held.chart.distortion;
+  EXPECT_EQ(OnePatch(soup, {4, 0, 1.01 * most}).chart.uv, held.chart.uv);
+  EXPECT_EQ(OnePatch(soup, {4, 0, 0.99 * most}).chart.uv, settled.chart.uv);
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, NotDevelopable,
                          ::testing::Values(Curved{"cap", cap()}, Curved{"saddle", shapes::saddle(20, 0.5)},
