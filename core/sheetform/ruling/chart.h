@@ -19,8 +19,8 @@ struct PatchChart {
 
 struct ChartParams {
   int max_iterations = 4;
-  double stop = 5e-3;          ///< relative decrease of the energy
-  double close_enough = 0.02;  ///< distortion up to which the outline of the conformal map is left as it is
+  double stop = 5e-3;           ///< relative decrease of the energy
+  double close_enough = 0.008;  ///< distortion up to which the outline of the conformal map is left as it is
   /// Rank of each mesh vertex in a fill-reducing order of the whole mesh; null = as they come.
   const std::vector<int>* elimination_rank = nullptr;
 };
