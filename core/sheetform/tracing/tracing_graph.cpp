@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "sheetform/field/tangent_frame.h"
@@ -20,7 +21,8 @@ struct GraphInput {
   const std::vector<char>& terminal;
   const std::vector<char>& blocked;  // per node: leaving there would run along a feature
   double radius;
-  double max_angle;  // degrees
+  double max_angle;        // degrees, below 90
+  double largest_tangent;  // a little above that of max_angle
 };
 
 // Arcs of a run of vertices, with chain positions counted from the run's own beginning.
@@ -106,10 +108,14 @@ class LocalChains {
   int now_ = 0;
 };
 
-// Signed angle in degrees from direction d of v to w, seen against the normal.
-double deviation(const CrossField& field, int v, int d, const Vector3& w) {
-  const Vector3 along = field.direction(v, d);
-  return std::atan2(field.normal[v].cross(along).dot(w), along.dot(w)) * kDegrees;
+// Signed angle in degrees from direction d of v to w, seen against the normal, where it is not above the
+// largest one allowed; most that are, a tangent tells.
+std::optional<double> deviation(const GraphInput& in, int v, int d, const Vector3& w) {
+  const Vector3 along = in.field.direction(v, d);
+  const double x = along.dot(w), y = in.field.normal[v].cross(along).dot(w);
+  if (std::abs(y) > in.largest_tangent * x) return std::nullopt;
+  const double angle = std::atan2(y, x) * kDegrees;
+  return std::abs(angle) > in.max_angle ? std::nullopt : std::optional(angle);
 }
 
 void append_chain(const LocalChains& chains, int source, int target, ArcBlock& out) {
@@ -121,18 +127,18 @@ void append_chain(const LocalChains& chains, int source, int target, ArcBlock& o
 // The arc from direction d of v to w, when the straight way there fits the field at both ends.
 void try_arc(const GraphInput& in, const LocalChains& chains, int v, int d, int w, ArcBlock& out) {
   const Vector3 way = in.mesh.points[w] - in.mesh.points[v];
-  const double leaving = deviation(in.field, v, d, way);
-  if (std::abs(leaving) > in.max_angle) return;
+  const auto leaving = deviation(in, v, d, way);
+  if (!leaving) return;
   const Vector3 carried = transport(in.field.direction(v, d), in.field.normal[v], in.field.normal[w]);
   const int target = TracingGraph::node(w, closest_direction(in.field, w, carried));
   // An arrival is a departure of the opposite node, turned round.
   if (in.blocked[TracingGraph::opposite(target)]) return;
-  const double arriving = deviation(in.field, w, target & 3, way);
-  if (std::abs(arriving) > in.max_angle) return;
+  const auto arriving = deviation(in, w, target & 3, way);
+  if (!arriving) return;
   TracingGraph::Arc arc{};
   arc.to = target;
   arc.length = static_cast<float>(chains.length(w));
-  arc.drift = static_cast<float>(std::abs(leaving + arriving) / 2);
+  arc.drift = static_cast<float>(std::abs(*leaving + *arriving) / 2);
   arc.chain_begin = static_cast<int>(out.chain.size());
   append_chain(chains, v, w, out);
   arc.chain_end = static_cast<int>(out.chain.size());
@@ -178,7 +184,8 @@ TracingGraph tracing_graph(const SurfaceMesh& mesh, const std::vector<char>& cre
                          graph.terminal,
                          blocked,
                          params.radius_edges * mean_edge_length(mesh),
-                         params.max_angle};
+                         params.max_angle,
+                         1.001 * std::tan(params.max_angle / kDegrees)};
   const int n = mesh.vertex_count(), block_size = 512, blocks = (n + block_size - 1) / block_size;
   std::vector<ArcBlock> parts(blocks);
   parallel_for(context, blocks, [&](int b) {
