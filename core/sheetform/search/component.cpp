@@ -115,11 +115,14 @@ class ComponentRun {
     const std::vector<char> lines = lines_of(input_);
     context_.report(Stage::kField, 0);
     curvature_ = principal_curvature(mesh, crease, {}, context_);
-    const CrossField field =
-        cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+    CrossField field;
+    parallel_for(context_, 2, [&](int i) {  // neither needs the other
+      if (i == 1) return set_up_surface();
+      field =
+          cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
+    });
     laps_.lap(Stage::kField);
     context_.report(Stage::kTrace, 0);
-    set_up_surface();
     const TracingGraph graph =
         without_edges(mesh, tracing_graph(mesh, lines, field, {}, context_), surface_.keep_out);
     const PathNetwork start = start_network(graph, field);
