@@ -14,6 +14,7 @@
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/far_vertices.h"
 #include "sheetform/ruling/follow_crosses.h"
+#include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
 #include "sheetform/search/patch_tilt.h"
@@ -34,6 +35,11 @@ constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
 constexpr double kHopeless = 1.5;  // the same of a whole result: another search would not meet it either
 constexpr double kBehind = 1.5;    // multiple of another pass's excess beyond which a pass is given up
+// Smoothing of the seams in the end: a point may go so far, in tolerances; measured so often at most; a point
+// of a triangle that has less than this share of a place is not to blame for it.
+constexpr double kFarthest = 0.5;
+constexpr int kMostFairings = 8;
+constexpr double kLeastShare = 0.05;
 constexpr double kOnPlane = 1e-9;  // of the diagonal
 
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
@@ -552,7 +558,45 @@ class ComponentRun {
     return twice / 2;
   }
 
-  void take(const Attempt& attempt, const PatchLayout& layout) {
+  // Points that what is beyond the tolerance hangs on.
+  std::vector<int> points_beyond(const Attempt& attempt) const {
+    std::vector<int> points;
+    for (const FarPlace& far : attempt.far)
+      for (int k = 0; k < 3 && far.distance > kMeasured * params_.evaluation.e_max; ++k)
+        if (far.barycentric[k] > kLeastShare) points.push_back(far.triangle[k]);
+    return points;
+  }
+
+  // Not far, not beyond the plane of symmetry, not into a region where no seam is wanted.
+  bool may_be_faired(const Vector3& from, const Vector3& to) const {
+    if ((to - from).norm() > kFarthest * params_.evaluation.e_max) return false;
+    if (input_.half && from.x() > 0 && to.x() <= 0) return false;
+    return input_.keep_out.empty() || input_.keep_out.depth(to, 0) <= input_.keep_out.depth(from, 0);
+  }
+
+  // Seams as smooth as the promises allow; as they were where that is not found.
+  Attempt with_fair_outlines(const Attempt& rough) {
+    std::vector<char> may_move;
+    for (const StripSource::Arch& a : rough.finished.source.arches)
+      may_move.push_back(a.patches[0] >= 0 && a.patches[1] >= 0 && !a.crease && !a.on_plane && !a.drawn);
+    OutlineFairing fairing(rough.finished.source, may_move, [this](const Vector3& from, const Vector3& to) {
+      return may_be_faired(from, to);
+    });
+    for (int step = 0; step < kMostFairings; ++step) {
+      FinishedLayout moved = rough.finished;
+      moved.source.points = moved.evaluation.position = fairing.places();
+      Attempt fair = measured(moved);
+      fair.evaluation = rough.evaluation;
+      fair.uneven = spacing_miss(fair.strips, params_.spacing);
+      if (fair.good() && fair.uneven.worst() <= std::max(rough.uneven.worst(), 1.0)) return fair;
+      const bool mended = fairing.hold_outlines(fair.invalid);
+      if (!fairing.hold(points_beyond(fair)) && !fairing.hold_outlines(fair.too_far) && !mended) break;
+    }
+    return rough;
+  }
+
+  void take(const Attempt& found, const PatchLayout& layout) {
+    const Attempt attempt = found.good() ? with_fair_outlines(found) : found;
     result_.strips = attempt.strips, result_.distance = attempt.distance, result_.miss = attempt.miss;
     result_.notes.clear();
     if (params_.morph == MorphKind::kFull) take_full_morph(attempt, layout);

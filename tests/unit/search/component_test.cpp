@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/strip/certificate.h"
 #include "unit/search/drawn_surface.h"
@@ -50,6 +51,28 @@ TEST(DecomposeComponent, KeepsItsPromises) {
     for (const char* stage : {"field", "trace", "insert", "remove", "final"})
       EXPECT_TRUE(result.seconds.count(stage)) << stage;
   }
+}
+
+double turning(const std::vector<Vector3>& line) {
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    sum += angle_between(line[i] - line[i - 1], line[i + 1] - line[i]);
+  return sum;
+}
+
+// What seams turn to and fro, in degrees a diagonal of length: without the last smoothing it is 8.6.
+TEST(DecomposeComponent, SeamsAreSmooth) {
+  RunContext context;
+  const ComponentResult result = decompose_component(input_of(shapes::sphere(14)), params_of(0.02), context);
+  double excess = 0, length = 0;
+  for (const StripMesh::Arch& arch : result.strips.arches) {
+    std::vector<Vector3> line;
+    for (int v : arch.vertices) line.push_back(result.strips.points[v]);
+    for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
+    const std::vector<Vector3> fair = faired(line, 0.15, std::vector<double>(line.size(), 1));
+    excess += std::max(0.0, turning(line) - turning(fair));
+  }
+  EXPECT_LT(excess / length * 180 / shapes::kPi, 3);
 }
 
 TEST(DecomposeComponent, GoesOnWithTheBestOfItsSearches) {
