@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "sheetform/mesh/sharpness.h"
+
 namespace sheetform {
 namespace {
 
@@ -19,95 +21,11 @@ constexpr double kLeastAnchor = 0.1;  // of the creases that a smooth chain hang
 constexpr double kAnchored = 0.2;     // ... of the length that it needs otherwise
 constexpr double kJag = 0.25;         // of the middle edge of a chain: shorter steps are no turns of it
 constexpr int kMostPasses = 50;
-constexpr double kConfirmed = 20;   // between the normals of a sliver and a neighbour
-constexpr double kSliver = 0.01;    // height over longest side below which a face has no normal of its own
-constexpr int kMostFaces = 64;      // of the surroundings of an edge, on one side
 constexpr int kOftenEnough = 4096;  // edges between two looks at whether to stop
 
 enum Mark : char { kNone = 0, kWeak = 1, kStrong = 2 };
 
 double degrees_between(const Vector3& a, const Vector3& b) { return angle_between(a, b) * 180 / M_PI; }
-
-// Twice the area over the squared longest side: 0.87 for an equilateral triangle, 0 for a degenerate one.
-double fatness(const SurfaceMesh& mesh, int f) {
-  double longest = 0;
-  for (int e : mesh.face_edges[f]) longest = std::max(longest, mesh.edge_length(e));
-  return longest > 0 ? mesh.face_normal_raw(f).norm() / (longest * longest) : 0;
-}
-
-// The normal of a sliver says little: unless a neighbour confirms it, it takes the direction of its largest
-// neighbour.
-Vector3 trusted_normal(const SurfaceMesh& mesh, int f) {
-  const Vector3 own = mesh.face_normal_raw(f);
-  if (fatness(mesh, f) >= kSliver) return own;
-  Vector3 largest = Vector3::Zero();
-  for (int e : mesh.face_edges[f]) {
-    const int g = mesh.edges[e].other_face(f);
-    if (g < 0) continue;
-    const Vector3 n = mesh.face_normal_raw(g);
-    if (own.norm() > 0 && degrees_between(own, n) < kConfirmed) return own;
-    if (n.squaredNorm() > largest.squaredNorm()) largest = n;
-  }
-  return largest.norm() > 0 ? Vector3(largest.normalized() * own.norm()) : own;
-}
-
-// Dihedral angles and how much of the turning nearby they are.
-class Sharpness {
- public:
-  Sharpness(const SurfaceMesh& mesh, double barrier)
-      : mesh_(mesh), mean_edge_(mean_edge_length(mesh)), barrier_(barrier) {
-    for (int f = 0; f < mesh.face_count(); ++f) {
-      const auto& t = mesh.faces[f];
-      middles_.push_back((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
-      normals_.push_back(trusted_normal(mesh, f));
-    }
-  }
-
-  double dihedral(int e) const {
-    const auto& edge = mesh_.edges[e];
-    return edge.border() ? 0 : degrees_between(normals_[edge.f0], normals_[edge.f1]);
-  }
-
-  // Dihedral angle / angle between the mean normals of both sides; of two radii the one nearer to 1.
-  double share(int e) const {
-    const double size = std::clamp(mesh_.edge_length(e), mean_edge_ / 2, mean_edge_ * 2), angle = dihedral(e);
-    double best = 0;
-    for (double radius : {size, 2 * size}) {
-      const double around = degrees_between(side_normal(e, mesh_.edges[e].f0, radius),
-                                            side_normal(e, mesh_.edges[e].f1, radius));
-      const double ratio = around > 0 ? std::min(3.0, angle / around) : 3.0;
-      if (best == 0 || std::abs(std::log(ratio)) < std::abs(std::log(best))) best = ratio;
-    }
-    return best;
-  }
-
- private:
-  // Area-weighted normal of the faces on the side of `face`, connected to it over edges below the barrier.
-  Vector3 side_normal(int e, int face, double radius) const {
-    const auto& edge = mesh_.edges[e];
-    const Vector3& a = mesh_.points[edge.v0];
-    const Vector3 middle = (a + mesh_.points[edge.v1]) / 2;
-    const Vector3 up = normals_[edge.f0].normalized() + normals_[edge.f1].normalized();
-    Vector3 out = up.cross(mesh_.points[edge.v1] - a);
-    if (out.dot(middles_[face] - a) < 0) out = -out;
-    std::vector<int> seen{face};
-    Vector3 sum = Vector3::Zero();
-    for (std::size_t i = 0; i < seen.size() && i < kMostFaces; ++i) {
-      sum += normals_[seen[i]];
-      for (int side : mesh_.face_edges[seen[i]]) {
-        const int next = mesh_.edges[side].other_face(seen[i]);
-        if (next < 0 || side == e || std::find(seen.begin(), seen.end(), next) != seen.end()) continue;
-        if ((middles_[next] - middle).norm() > radius || out.dot(middles_[next] - a) <= 0) continue;
-        if (degrees_between(normals_[seen[i]], normals_[next]) < barrier_) seen.push_back(next);
-      }
-    }
-    return sum;
-  }
-
-  const SurfaceMesh& mesh_;
-  double mean_edge_, barrier_;
-  std::vector<Vector3> normals_, middles_;
-};
 
 struct Chain {
   std::vector<int> edges, vertices;  // vertices: one more than edges; first = last when closed
@@ -179,12 +97,12 @@ CreaseNetwork::CreaseNetwork(const SurfaceMesh& mesh, double angle, const RunCon
       marks_(mesh.edges.size(), kNone),
       dihedral_(mesh.edges.size(), 0),
       good_(mesh.edges.size(), 0) {
-  const Sharpness sharpness(mesh, kBarrierShare * angle);
+  const Sharpness sharpness(mesh);
   for (int e = 0; e < mesh.edge_count(); ++e) {
     if (e % kOftenEnough == 0) context.checkpoint();
     const double a = dihedral_[e] = sharpness.dihedral(e);
     if (a < kWeakShare * angle) continue;
-    const double share = sharpness.share(e);
+    const double share = sharpness.share(e, kBarrierShare * angle);
     const bool clear = a >= angle && share > 0.85 && share < 1.25;
     const bool sharp = a >= angle + kSharpMore && share > 0.6 && share < 1.3;
     if (clear || sharp)

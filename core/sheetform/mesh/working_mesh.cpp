@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sheetform/mesh/creases.h"
+#include "sheetform/mesh/denoise.h"
 #include "sheetform/mesh/far_vertices.h"
 #include "sheetform/mesh/mesh_repair.h"
 
@@ -53,11 +54,24 @@ bool loses_detail(const SurfaceMesh& input, const ClosestPointTree& input_tree, 
 constexpr double kSliver = 5e-4, kSliverSize = 0.2;
 // Width of a region between creases that no part needs to have of its own, in tolerances.
 constexpr double kNarrow = 0.25;
+// What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
+// away: the rest could not hold what was left out.
+constexpr double kMostNoise = 0.7;
 
-}  // namespace
+// The mesh without its noise; nothing where it has none, or too much for the tolerance.
+std::optional<SurfaceMesh> without_noise(const SurfaceMesh& input, double e_max, const RunContext& context) {
+  if (!is_noisy(input)) return std::nullopt;
+  SurfaceMesh calm = denoised(input, context);
+  std::vector<double> moved;
+  for (int v = 0; v < input.vertex_count(); ++v) moved.push_back((calm.points[v] - input.points[v]).norm());
+  const auto large = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() - 1 - moved.size() / 100);
+  std::nth_element(moved.begin(), large, moved.end());
+  if (*large > kMostNoise * e_max) return std::nullopt;
+  return calm;
+}
 
-PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
-                          const WorkingMeshParams& params, const RunContext& context) {
+PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTree& tree,
+                                  const WorkingMeshParams& params, const RunContext& context) {
   const double sliver = kSliver * std::min(1.0, bounding_box_diagonal(input.points) / kSliverSize);
   const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, sliver, context);
   std::vector<char> crease(mesh.edges.size(), 0);
@@ -81,6 +95,15 @@ PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree
     prepared = prepare(mesh, crease, wanted, input, tree, context);
   }
   return prepared;
+}
+
+}  // namespace
+
+PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
+                          const WorkingMeshParams& params, const RunContext& context) {
+  const std::optional<SurfaceMesh> calm = without_noise(input, params.e_max, context);
+  if (!calm) return working_mesh_of_calm(input, tree, params, context);
+  return working_mesh_of_calm(*calm, ClosestPointTree(calm->points, calm->faces, context), params, context);
 }
 
 }  // namespace sheetform
