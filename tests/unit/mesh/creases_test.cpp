@@ -131,6 +131,31 @@ TEST(Creases, AShortFoldThatFadesCountsWhereItStartsAtACrease) {
   EXPECT_LE(n, 12 + 14);
 }
 
+TEST(Creases, ShortOnesBetweenFlatSidesCountTogether) {
+  // A plate with a small block on it, whose edges are all shorter than what counts as a crease by itself.
+  const SurfaceMesh m = build(shapes::grid({8, 8}, [](double u, double v) {
+    const std::vector<double> place{0, 0.25, 0.465, 0.475, 0.5, 0.525, 0.535, 0.75, 1};
+    const auto i = std::lround(8 * u), j = std::lround(8 * v);
+    const bool on_top = std::min(i, j) >= 3 && std::max(i, j) <= 5;
+    return Vector3(place[i], place[j], on_top ? 0.03 : 0);
+  }));
+  EXPECT_EQ(count(detect_creases(m, 40)), 4 * 4 + 4 + 4 * 2);  // foot, upright, top
+}
+
+TEST(Creases, AWeakBranchDoesNotPartOne) {
+  // A fold of 60 degrees that starts at the border and fades, a third of the diagonal long; a bend of 31
+  // degrees leads away from it near its start.
+  const SurfaceMesh m = build(shapes::grid({8, 24}, [](double u, double v) {
+    const double x = 0.3 * (u - 0.5), away = std::clamp(2.5 - std::abs(8 * u - 5.5), 0.0, 1.0);
+    const double fold = std::tan(30 * shapes::kPi / 180) * std::clamp((0.45 - v) / 0.2, 0.0, 1.0);
+    const double bend = std::tan(18 * shapes::kPi / 180) * std::max(0.0, 1 / 12.0 - std::abs(v - 1 / 12.0));
+    return Vector3(x, v, -fold * std::abs(x) + away * bend);
+  }));
+  const int n = count(detect_creases(m, 40));
+  EXPECT_GE(n, 7);
+  EXPECT_LE(n, 9);
+}
+
 TEST(Creases, RoughnessIsNone) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> u(-1, 1);
