@@ -149,7 +149,6 @@ TEST(LayoutSearch, RoughArchesLoseTheirStaircaseAndPatchesStayViable) {
   s.search->remove_arches();
   const auto patches = s.search->layout().patches.size();
   s.search->split({0, 1}, PatchVerdict::kError);
-  s.search->remove_arches();
   const std::vector<int> before = s.search->network().network().edge_path;
   const int rough = rough_arches(s.bed.surface.mesh, s.search->layout());
   ASSERT_GT(rough, 0) << "a cut runs along the edges of the mesh";
