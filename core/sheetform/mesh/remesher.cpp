@@ -20,7 +20,8 @@ constexpr double kLoss =
     0.3;  // of the wanted length: how far removed vertices may come to lie off the surface
 constexpr double kStepLoss =
     0.05;  // of the wanted length: the same for one step of relaxation (tips would melt away)
-constexpr double kThin = 0.1;  // height / longest side; 0.87 is equilateral
+constexpr double kShorter = 0.9;  // of a split edge: how long its halves may be
+constexpr double kThin = 0.1;     // height / longest side; 0.87 is equilateral
 
 // Height over the longest side, divided by that side.
 double fatness(const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -140,6 +141,19 @@ void Remesher::split_long() {
   }
 }
 
+// Whether no edge to `p`, were the edge split there, is longer than what it comes from. Where the nearest
+// point of the surface is elsewhere it may be, and splitting has no end.
+bool Remesher::shortens(Half h, const Vector3& p) const {
+  const Vector3 &a = point(mesh_.from_vertex_handle(h)), &b = point(mesh_.to_vertex_handle(h));
+  if (std::max((p - a).norm(), (p - b).norm()) > kShorter * (b - a).norm()) return false;
+  for (const Half side : {h, mesh_.opposite_halfedge_handle(h)}) {
+    if (mesh_.is_boundary(side)) continue;
+    const Vector3& c = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(side)));
+    if ((p - c).norm() > std::max((a - c).norm(), (b - c).norm())) return false;
+  }
+  return true;
+}
+
 void Remesher::split(Edge e) {
   const Half h = mesh_.halfedge_handle(e, 0);
   const Vertex a = mesh_.from_vertex_handle(h), b = mesh_.to_vertex_handle(h);
@@ -151,7 +165,8 @@ void Remesher::split(Edge e) {
     Vector3 normal = Vector3::Zero();
     for (const Half side : {h, mesh_.opposite_halfedge_handle(h)})
       if (!mesh_.is_boundary(side)) normal += raw_normal(mesh_.face_handle(side));
-    p = on_surface(p, normal);
+    const Vector3 q = on_surface(p, normal);
+    if (shortens(h, q)) p = q;
   }
   const Vertex v = add_vertex(p, on >= 0 ? kOnLine : kFree);
   mesh_.split(e, v);

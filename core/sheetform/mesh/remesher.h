@@ -38,6 +38,7 @@ class Remesher {
   bool is_chord(Edge e) const;
   double longest_allowed(Edge e) const;
   void split(Edge e);
+  bool shortens(Half h, const Vector3& p) const;
   Half best_collapse(Edge e, bool first);
   bool may_collapse(Half h);
   bool keeps_lines(Half h) const;
