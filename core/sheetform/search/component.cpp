@@ -1,7 +1,6 @@
 #include "sheetform/search/component.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -17,6 +16,7 @@
 #include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
+#include "sheetform/search/laps.h"
 #include "sheetform/search/patch_tilt.h"
 #include "sheetform/search/spacing.h"
 #include "sheetform/search/stroke_ends.h"
@@ -35,9 +35,14 @@ constexpr double kProgress = 0.85, kHard = 1.1;
 constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
 constexpr double kHopeless = 1.5;  // the same of a whole result: another search would not meet it either
 constexpr double kBehind = 1.5;    // multiple of another pass's excess beyond which a pass is given up
-// Smoothing of the seams in the end: a point may go so far, in tolerances; measured so often at most; a point
-// of a triangle that has less than this share of a place is not to blame for it.
-constexpr double kFarthest = 0.5;
+// So many parts at most grow after the last pass, where the search sees no more than this error, in
+// tolerances.
+constexpr int kMostEnlarged = 6;
+constexpr double kRoomAtEnd = 1.12;
+// Smoothing of the seams in the end: a point may go so far, in tolerances, or so far, in diagonals, as the
+// zigzag of the mesh is high; measured so often at most; a point of a triangle that has less than this share
+// of a place is not to blame for it.
+constexpr double kFarthest = 0.5, kZigzag = 0.01;
 constexpr int kMostFairings = 8;
 constexpr double kLeastShare = 0.05;
 constexpr double kOnPlane = 1e-9;  // of the diagonal
@@ -53,25 +58,6 @@ constexpr double kFineSpacing = ComponentParams().fine_spacing;
 
 constexpr int kFinerAttempts = 3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
-
-class Laps {
- public:
-  void lap(Stage stage) {
-    const auto now = Clock::now();
-    seconds_[to_string(stage)] += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-  // The seconds since the last time; stages that took none are named too.
-  std::map<std::string, double> take() {
-    for (Stage stage : {Stage::kField, Stage::kTrace, Stage::kInsert}) seconds_[to_string(stage)] += 0;
-    return std::exchange(seconds_, {});
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::map<std::string, double> seconds_;
-  Clock::time_point last_ = Clock::now();
-};
 
 // The layout as strips, and what is still wrong with it.
 struct Attempt {
@@ -336,6 +322,7 @@ class ComponentRun {
     search.smooth_what_allows();
     search.smooth_rough_arches();
     search.leave_darts();
+    search.grow_slight();
   }
 
   bool quick() const { return params_.improvements == 0; }
@@ -373,7 +360,8 @@ class ComponentRun {
         if (!have_best || attempt.miss < best) take(attempt, search.layout());
         best = have_best ? std::min(best, attempt.miss) : attempt.miss;
         have_best = true;
-        if (attempt.too_far.empty() || round >= 30) return;
+        if (attempt.too_far.empty()) return enlarge(search, round, outline);
+        if (round >= 30) return;
         search.reject(attempt.too_far);
         if (search.split(attempt.too_far, PatchVerdict::kError) == 0) return;
       } else {
@@ -388,7 +376,23 @@ class ComponentRun {
       if (round < 6 && params_.evaluation.t_junctions) {
         search.leave_darts();
         search.share_out_small();
+        if (!quick()) search.grow_slight();
       }
+    }
+  }
+
+  // The last passes keep the tolerance a little better than the search can tell: what is slight still grows
+  // or goes where that is enough.
+  void enlarge(LayoutSearch& search, int round, std::size_t outline) {
+    const int most = quick() || !params_.evaluation.t_junctions ? 0 : kMostEnlarged;
+    for (int k = 0; k < most && result_.strips.patches.size() == search.layout().patches.size(); ++k) {
+      std::vector<double> areas;
+      for (const StripMesh::Patch& p : result_.strips.patches) areas.push_back(area_of(result_.strips, p));
+      search.know_strip_areas(areas);
+      if (search.grow_slight(kRoomAtEnd) == 0) return;
+      const Attempt attempt = build_best(search, round, outline);
+      if (!attempt.good()) return;
+      take(attempt, search.layout());
     }
   }
 
@@ -569,7 +573,7 @@ class ComponentRun {
 
   // Not far, not beyond the plane of symmetry, not into a region where no seam is wanted.
   bool may_be_faired(const Vector3& from, const Vector3& to) const {
-    if ((to - from).norm() > kFarthest * params_.evaluation.e_max) return false;
+    if ((to - from).norm() > std::max(kFarthest * params_.evaluation.e_max, kZigzag)) return false;
     if (input_.half && from.x() > 0 && to.x() <= 0) return false;
     return input_.keep_out.empty() || input_.keep_out.depth(to, 0) <= input_.keep_out.depth(from, 0);
   }

@@ -309,12 +309,12 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, c
 
 // After the network has changed over these faces: morphs the new patches with their neighbours, the rest
 // held; true when all of them have strips that stay within e_max, but for those that had none before.
-bool LayoutSearch::region_fits(const std::vector<int>& faces) {
+bool LayoutSearch::region_fits(const std::vector<int>& faces, double slack) {
   const PathNetwork& network = network_.network();
   const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
                                             with_neighbours(surface_.mesh, network, faces));
   const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
-  if (e.max_error > params_.evaluation.e_max) return false;
+  if (e.max_error > slack * params_.evaluation.e_max) return false;
   for (std::size_t p = 0; p < e.patches.size(); ++p)
     if (!e.patches[p]->has_valid_strips() && lost_.count(region.patches[p].key) == 0) return false;
   store(region, e);

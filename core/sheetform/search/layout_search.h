@@ -1,6 +1,8 @@
 // The search for a small viable layout: insertion, then removal of paths and of arches (paper 3.2 and 3.4).
 #pragma once
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -52,6 +54,13 @@ class LayoutSearch {
   /// Shares small patches out among their neighbours, smallest first: each of its faces goes to the nearest
   /// of one, two or all of them, where every patch then fits. Returns how many went.
   int share_out_small();
+  /// Patches that are too small to handle (below 0.3 % of the surface, or narrower than 2 % of a diagonal)
+  /// grow into their neighbours, or are cut anew together with one, where every patch then fits. Above 60
+  /// patches none is tried. slack: multiple of the tolerance that counts as fitting; above 1 the first that
+  /// succeeds is the last, may go altogether, and has to be measured. Returns how many changed.
+  int grow_slight(double slack = 1);
+  /// The areas of the strips of layout(), by patch: small ones are smaller than on the surface.
+  void know_strip_areas(const std::vector<double>& areas);
   /// Local search: a stretch of a candidate path goes in, other arches go out; kept when there are fewer
   /// parts, or as many and hardly longer cuts. Ends with the best layout seen. Returns the number of changes
   /// kept.
@@ -111,7 +120,7 @@ class LayoutSearch {
   /// excess: where the region is one patch that is too far off, its error relative to e_max.
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
                                          double* excess = nullptr, bool look_first = false);
-  bool region_fits(const std::vector<int>& faces);
+  bool region_fits(const std::vector<int>& faces, double slack = 1);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
   /// Remembers which patches have no strips as they are.
@@ -158,7 +167,26 @@ class LayoutSearch {
   std::vector<Taker> takers_of(int patch);
   std::vector<int> nearest_of(int patch, const std::vector<int>& takers) const;
   Sharing sharing(int patch, const std::vector<int>& takers) const;
+  Sharing handed_over(const std::vector<int>& faces, const std::vector<int>& to,
+                      const std::vector<int>& beside) const;
+  Sharing handed_over(const std::map<int, int>& to, const std::vector<int>& beside) const;
   std::vector<Sharing> sharings(int patch);
+  void add_ways(Sharing s, std::vector<Sharing>& all) const;
+  bool try_sharing(const Sharing& s, double slack = 1);
+  double least_area() const;
+  double lacks(const PatchLayout& layout, const Patch& patch) const;
+  double lacks(const PatchLayout& layout) const;
+  double area_wanted(const Patch& patch) const;
+  std::map<int, int> nearest_around(int patch, const std::vector<int>& from, double area) const;
+  std::vector<Sharing> growths(int patch);
+  bool grow(int patch, double slack);
+  bool helps(const Sharing& way);
+  bool try_ways(const std::vector<Sharing>& all, double slack);
+  double strip_area(const Patch& patch) const;
+  std::vector<Sharing> ways_to_go(int patch);
+  std::vector<Sharing> recuts(int patch);
+  void add_cut_off(const std::vector<int>& from, std::map<int, int>& to) const;
+  std::map<int, double> distances_from(int start, const std::set<int>& inside) const;
   static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
@@ -215,7 +243,9 @@ class LayoutSearch {
   using Faces = std::shared_ptr<const std::vector<int>>;
   std::vector<Faces> hopeless_;                 ///< what is far from being one patch; not after smoothing
   std::unordered_set<std::uint64_t> unshared_;  ///< small patches that could not be shared out, by key
-  ArchPlaces places_;                           ///< after the last morphs
+  std::unordered_set<std::uint64_t> ungrown_;   ///< slight patches that could not grow, by key
+  std::unordered_map<std::uint64_t, double> strip_share_;  ///< of a patch's area that its strips have, by key
+  ArchPlaces places_;                                      ///< after the last morphs
   std::unordered_set<std::uint64_t>
       lost_;  ///< patches without strips, by key: not for a removal to blame for
 };

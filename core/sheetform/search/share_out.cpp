@@ -86,16 +86,25 @@ std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& tak
 // What changes in the network when these neighbours take the patch: the seams to them go, and new ones are
 // cut where their shares meet.
 LayoutSearch::Sharing LayoutSearch::sharing(int patch, const std::vector<int>& takers) const {
-  Sharing s;
   const std::vector<int> to = nearest_of(patch, takers);
-  if (to.empty()) return s;
+  if (to.empty()) return {};
   const std::vector<int>& own = layout_.patches[patch].faces;
+  std::vector<int> beside = takers;
+  beside.push_back(patch);
+  return handed_over(own, to, beside);
+}
+
+// What changes in the network when these faces, ascending, go to other patches; `beside`: all patches that
+// this concerns.
+LayoutSearch::Sharing LayoutSearch::handed_over(const std::vector<int>& faces, const std::vector<int>& to,
+                                                const std::vector<int>& beside) const {
+  Sharing s;
   const auto patch_at = [&](int f) {
-    if (layout_.face_patch[f] != patch) return layout_.face_patch[f];
-    return to[std::lower_bound(own.begin(), own.end(), f) - own.begin()];
+    const auto it = std::lower_bound(faces.begin(), faces.end(), f);
+    return it == faces.end() || *it != f ? layout_.face_patch[f] : to[it - faces.begin()];
   };
   std::vector<int> edges;
-  for (int f : own)
+  for (int f : faces)
     edges.insert(edges.end(), surface_.mesh.face_edges[f].begin(), surface_.mesh.face_edges[f].end());
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -107,8 +116,6 @@ LayoutSearch::Sharing LayoutSearch::sharing(int patch, const std::vector<int>& t
     if (apart && !used) s.cut.push_back(e);
     if (!apart && used && !is_held(net.kinds[net.edge_path[e]])) s.gone.push_back(e);
   }
-  std::vector<int> beside = takers;
-  beside.push_back(patch);
   s.patches = static_cast<int>(beside.size());
   s.faces = faces_of(beside);
   return s;
@@ -127,21 +134,24 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::sharings(int patch) {
     for (std::size_t j = i + 1; j < takers.size(); ++j) choices.push_back({takers[i], takers[j]});
   if (takers.size() > 2) choices.push_back(takers);
   std::vector<std::vector<Sharing>> found(choices.size());
-  parallel_for(context_, static_cast<int>(choices.size()), [&](int i) {
-    Sharing s = sharing(patch, choices[i]);
-    if (s.gone.empty()) return;
-    EditableNetwork cut = network_;
-    cut.insert_edges(s.cut, PathKind::kCut);
-    Sharing trimmed = s;
-    trimmed.gone = with_loose_ends(cut.network(), s.gone);
-    const bool loose = trimmed.gone.size() != s.gone.size();
-    if (!trimmed.gone.empty()) found[i].push_back(std::move(trimmed));
-    if (loose && rules_.darts) found[i].push_back(std::move(s));
-  });
+  parallel_for(context_, static_cast<int>(choices.size()),
+               [&](int i) { add_ways(sharing(patch, choices[i]), found[i]); });
   std::vector<Sharing> all;
   for (std::vector<Sharing>& some : found)
     all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
   return all;
+}
+
+// With the loose ends that it leaves gone, and with them as darts.
+void LayoutSearch::add_ways(Sharing s, std::vector<Sharing>& all) const {
+  if (s.gone.empty()) return;
+  EditableNetwork cut = network_;
+  cut.insert_edges(s.cut, PathKind::kCut);
+  Sharing trimmed = s;
+  trimmed.gone = with_loose_ends(cut.network(), s.gone);
+  const bool loose = trimmed.gone.size() != s.gone.size();
+  if (!trimmed.gone.empty()) all.push_back(std::move(trimmed));
+  if (loose && rules_.darts) all.push_back(std::move(s));
 }
 
 void LayoutSearch::apply(const Sharing& s, EditableNetwork& network) {
@@ -169,21 +179,25 @@ bool LayoutSearch::share_out(int patch) {
     const auto fit = viable_region(trial.network(), all[i].faces, nullptr, true);
     viable[i] = fit && fit->patches < all[i].patches;
   });
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!viable[i]) continue;
-    have_places();
-    const EditableNetwork network_before = network_;
-    const PatchLayout layout_before = layout_;
-    const double inside = length_inside();
-    apply(all[i], network_);
-    changed();
-    if (length_inside() <= inside && region_fits(all[i].faces)) {
-      smooth_cuts(all[i].cut);
-      return true;
-    }
-    network_ = network_before, layout_ = layout_before;
-    layout_valid_ = true;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (viable[i] && try_sharing(all[i])) return true;
+  return false;
+}
+
+// Undone where the patches around do not fit then, or more cuts lie where none are wanted.
+bool LayoutSearch::try_sharing(const Sharing& s, double slack) {
+  have_places();
+  const EditableNetwork network_before = network_;
+  const PatchLayout layout_before = layout_;
+  const double inside = length_inside();
+  apply(s, network_);
+  changed();
+  if (length_inside() <= inside && region_fits(s.faces, slack)) {
+    smooth_cuts(s.cut);
+    return true;
   }
+  network_ = network_before, layout_ = layout_before;
+  layout_valid_ = true;
   return false;
 }
 
