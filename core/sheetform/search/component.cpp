@@ -600,7 +600,7 @@ class ComponentRun {
   }
 
   void take(const Attempt& found, const PatchLayout& layout) {
-    const Attempt attempt = found.good() ? with_fair_outlines(found) : found;
+    const Attempt attempt = found.good() && !quick() ? with_fair_outlines(found) : found;
     result_.strips = attempt.strips, result_.distance = attempt.distance, result_.miss = attempt.miss;
     result_.notes.clear();
     if (params_.morph == MorphKind::kFull) take_full_morph(attempt, layout);
