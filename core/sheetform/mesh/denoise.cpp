@@ -83,7 +83,7 @@ class Denoiser {
       const Vector3 n = mesh_.face_normal_raw(f);
       areas_[f] = n.norm() / 2;
       normals_[f] = areas_[f] > 0 ? Vector3(n / (2 * areas_[f])) : Vector3::Zero();
-      middles_[f] = middle(f);
+      middles_[f] = mesh_.face_middle(f);
     }
     double sum = 0;
     int count = 0;
@@ -100,11 +100,6 @@ class Denoiser {
       filtered_[f] = sum.dot(normals_[f]) < 0 ? Vector3(sum.normalized()) : normals_[f];
     }
     normals_.swap(filtered_);
-  }
-
-  Vector3 middle(int f) const {
-    const auto& t = mesh_.faces[f];
-    return (mesh_.points[t[0]] + mesh_.points[t[1]] + mesh_.points[t[2]]) / 3;
   }
 
   // A normal becomes the mean of those nearby that are like it.
@@ -127,7 +122,7 @@ class Denoiser {
   // folded triangle also along the surface, to the middle of its neighbours.
   void follow_normals() {
     for (int f = 0; f < mesh_.face_count(); ++f) {
-      middles_[f] = middle(f);
+      middles_[f] = mesh_.face_middle(f);
       folded_[f] = mesh_.face_normal_raw(f).dot(normals_[f]) < 0;
     }
     for (int v = 0; v < mesh_.vertex_count(); ++v) {

@@ -38,8 +38,7 @@ Vector3 trusted_normal(const SurfaceMesh& mesh, int f) {
 
 Sharpness::Sharpness(const SurfaceMesh& mesh) : mesh_(mesh), mean_edge_(mean_edge_length(mesh)) {
   for (int f = 0; f < mesh.face_count(); ++f) {
-    const auto& t = mesh.faces[f];
-    middles_.push_back((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
+    middles_.push_back(mesh.face_middle(f));
     normals_.push_back(trusted_normal(mesh, f));
   }
 }

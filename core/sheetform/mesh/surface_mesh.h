@@ -52,6 +52,9 @@ struct SurfaceMesh {
     const auto& t = faces[f];
     return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
   }
+  Vector3 face_middle(int f) const {
+    return (points[faces[f][0]] + points[faces[f][1]] + points[faces[f][2]]) / 3;
+  }
   double edge_length(int e) const { return (points[edges[e].v0] - points[edges[e].v1]).norm(); }
 };
 

@@ -26,11 +26,6 @@ constexpr std::size_t kMostGivers = 4;  // with more of them the ways to choose 
 constexpr std::size_t kMostParts = 40;
 constexpr std::size_t kAtOnce = 8;  // ways that are tried side by side, whatever the number of threads
 
-Vector3 middle_of(const SurfaceMesh& mesh, int f) {
-  const auto& t = mesh.faces[f];
-  return (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
-}
-
 // Of the rectangle that has this area and this outline; of a square where none has.
 double width_of(double area, double outline) {
   const double root = outline * outline / 4 - 4 * area;
@@ -95,7 +90,7 @@ std::map<int, int> LayoutSearch::nearest_around(int patch, const std::vector<int
       if (g < 0) continue;
       reach(
           g, e,
-          (middle_of(mesh, g) - (mesh.points[mesh.edges[e].v0] + mesh.points[mesh.edges[e].v1]) / 2).norm());
+          (mesh.face_middle(g) - (mesh.points[mesh.edges[e].v0] + mesh.points[mesh.edges[e].v1]) / 2).norm());
     }
   std::map<int, int> to;
   while (!open.empty() && area > 0) {
@@ -106,7 +101,7 @@ std::map<int, int> LayoutSearch::nearest_around(int patch, const std::vector<int
     for (int k = 0; k < 3; ++k) {
       const int g = mesh.face_neighbours[f][k];
       if (g >= 0)
-        reach(g, mesh.face_edges[f][k], -distance + (middle_of(mesh, f) - middle_of(mesh, g)).norm());
+        reach(g, mesh.face_edges[f][k], -distance + (mesh.face_middle(f) - mesh.face_middle(g)).norm());
     }
   }
   return to;
@@ -182,7 +177,7 @@ std::map<int, double> LayoutSearch::distances_from(int start, const std::set<int
     for (int k = 0; k < 3; ++k) {
       const int e = mesh.face_edges[f][k], g = mesh.face_neighbours[f][k];
       if (g < 0 || inside.count(g) == 0 || (net.used(e) && is_held(net.kinds[net.edge_path[e]]))) continue;
-      const double there = -d + (middle_of(mesh, f) - middle_of(mesh, g)).norm();
+      const double there = -d + (mesh.face_middle(f) - mesh.face_middle(g)).norm();
       const auto [it, fresh] = distance.emplace(g, there);
       if (!fresh && it->second <= there) continue;
       it->second = there;
@@ -274,19 +269,12 @@ void LayoutSearch::know_strip_areas(const std::vector<double>& areas) {
 int LayoutSearch::grow_slight(double slack) {
   if (layout().patches.size() > kMostParts) return 0;
   know_lost();
-  std::vector<std::pair<double, int>> slight;  // smallest first, by a face of each
-  for (const Patch& p : layout().patches)
-    if (p.defect == TopologyDefect::kNone && lacks(layout_, p) > 0)
-      slight.emplace_back(p.area, p.faces.front());
-  std::sort(slight.begin(), slight.end());
+  const auto slight = [&](const Patch& p) { return lacks(layout_, p) > 0; };
   int done = 0;
-  for (const auto& [area, face] : slight) {
+  for (int face : smallest_first(slight)) {
     context_.report(Stage::kRemove, 1);
     const Patch& p = layout().patches[layout_.face_patch[face]];
-    const bool joined = std::any_of(p.boundary.begin(), p.boundary.end(), [&](const ArchUse& use) {
-      return surface_.is_straight(layout_.arches[use.arch]);  // goes on across the plane of symmetry
-    });
-    if (joined || lacks(layout_, p) <= 0 ||
+    if (!slight(p) || goes_on_across_plane(p) ||
         !ungrown_.insert(neighbourhood_key(p) + (slack > 1 ? 1 : 0)).second)
       continue;
     const bool grown = grow(layout_.face_patch[face], slack);

@@ -1,5 +1,6 @@
 // The search for a small viable layout: insertion, then removal of paths and of arches (paper 3.2 and 3.4).
 #pragma once
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -55,7 +56,7 @@ class LayoutSearch {
   /// of one, two or all of them, where every patch then fits. Returns how many went.
   int share_out_small();
   /// Patches that are too small to handle (below 0.3 % of the surface, or narrower than 2 % of a diagonal)
-  /// grow into their neighbours, or are cut anew together with one, where every patch then fits. Above 60
+  /// grow into their neighbours, or are cut anew together with one, where every patch then fits. Above 40
   /// patches none is tried. slack: multiple of the tolerance that counts as fitting; above 1 the first that
   /// succeeds is the last, may go altogether, and has to be measured. Returns how many changed.
   int grow_slight(double slack = 1);
@@ -191,6 +192,8 @@ class LayoutSearch {
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
   std::uint64_t neighbourhood_key(const Patch& patch) const;
+  std::vector<int> smallest_first(const std::function<bool(const Patch&)>& asked_for);
+  bool goes_on_across_plane(const Patch& patch) const;
   std::vector<int> failing_of(const std::vector<int>& faces);
   /// Part of the network, from a node.
   struct Walk {

@@ -16,11 +16,6 @@ namespace {
 constexpr double kSmall = 0.1;              // of the surface: larger patches hardly ever go this way
 constexpr std::size_t kMostNeighbours = 6;  // with more of them the ways to choose two become too many
 
-Vector3 middle_of(const SurfaceMesh& mesh, int f) {
-  const auto& t = mesh.faces[f];
-  return (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
-}
-
 }  // namespace
 
 // The neighbours beyond arches that may go, the one with the longest seam first.
@@ -63,7 +58,7 @@ std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& tak
       if (g < 0 || layout_.face_patch[g] == patch || is_held(net.kinds[net.edge_path[e]])) continue;
       if (std::find(takers.begin(), takers.end(), layout_.face_patch[g]) == takers.end()) continue;
       const Vector3 seam = (mesh.points[mesh.edges[e].v0] + mesh.points[mesh.edges[e].v1]) / 2;
-      reach(f, (middle_of(mesh, f) - seam).norm(), layout_.face_patch[g]);
+      reach(f, (mesh.face_middle(f) - seam).norm(), layout_.face_patch[g]);
     }
   while (!open.empty()) {
     const auto [distance, f, taker] = open.top();
@@ -72,7 +67,7 @@ std::vector<int> LayoutSearch::nearest_of(int patch, const std::vector<int>& tak
     for (int k = 0; k < 3; ++k) {
       const int g = mesh.face_neighbours[f][k];
       if (g < 0 || layout_.face_patch[g] != patch || net.used(mesh.face_edges[f][k])) continue;
-      reach(g, -distance + (middle_of(mesh, f) - middle_of(mesh, g)).norm(), taker);
+      reach(g, -distance + (mesh.face_middle(f) - mesh.face_middle(g)).norm(), taker);
     }
   }
   std::vector<int> to;
@@ -201,21 +196,31 @@ bool LayoutSearch::try_sharing(const Sharing& s, double slack) {
   return false;
 }
 
+// A face of each patch that is asked for, the smallest patch first.
+std::vector<int> LayoutSearch::smallest_first(const std::function<bool(const Patch&)>& asked_for) {
+  std::vector<std::pair<double, int>> found;
+  for (const Patch& p : layout().patches)
+    if (p.defect == TopologyDefect::kNone && asked_for(p)) found.emplace_back(p.area, p.faces.front());
+  std::sort(found.begin(), found.end());
+  std::vector<int> faces;
+  for (const auto& [area, face] : found) faces.push_back(face);
+  return faces;
+}
+
+bool LayoutSearch::goes_on_across_plane(const Patch& patch) const {
+  return std::any_of(patch.boundary.begin(), patch.boundary.end(),
+                     [&](const ArchUse& use) { return surface_.is_straight(layout_.arches[use.arch]); });
+}
+
 int LayoutSearch::share_out_small() {
   know_lost();
   const double most = kSmall * surface_area(surface_.mesh);
-  std::vector<std::pair<double, int>> small;  // smallest first, by a face of each
-  for (const Patch& p : layout().patches)
-    if (p.area < most && p.defect == TopologyDefect::kNone) small.emplace_back(p.area, p.faces.front());
-  std::sort(small.begin(), small.end());
+  const auto small = [&](const Patch& p) { return p.area < most; };
   int done = 0;
-  for (const auto& [area, face] : small) {
+  for (int face : smallest_first(small)) {
     context_.report(Stage::kRemove, 1);
     const Patch& p = layout().patches[layout_.face_patch[face]];
-    const bool joined = std::any_of(p.boundary.begin(), p.boundary.end(), [&](const ArchUse& use) {
-      return surface_.is_straight(layout_.arches[use.arch]);  // goes on across the plane of symmetry
-    });
-    if (p.area >= most || joined || !unshared_.insert(neighbourhood_key(p)).second) continue;
+    if (!small(p) || goes_on_across_plane(p) || !unshared_.insert(neighbourhood_key(p)).second) continue;
     done += share_out(layout_.face_patch[face]);
   }
   return done;

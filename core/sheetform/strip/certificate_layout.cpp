@@ -196,13 +196,9 @@ std::vector<Defect> check_indices(const StripMesh& r) {
 }
 
 Whole::Whole(const StripMesh& strips) : result(strips) {
-  for (std::size_t p = 0; p < strips.patches.size(); ++p) {
-    shapes.push_back(shape_of(strips.patches[p]));
-    for (const StripMesh::Triangle& t : strips.patches[p].triangles) {
-      faces.push_back(t.v);
-      patch_of.push_back(static_cast<int>(p));
-    }
-  }
+  for (const StripMesh::Patch& p : strips.patches) shapes.push_back(shape_of(p));
+  Strips surface(strips);
+  faces = std::move(surface.faces), patch_of = std::move(surface.patch_of);
   table = EdgeTable(faces);
   topology = topology_of(faces, table, static_cast<int>(strips.points.size()));
   patch_edge.assign(table.edges.size(), 0);

@@ -12,6 +12,7 @@ namespace {
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 using certificate::AreaSample;
+using certificate::OneWayDistance;
 using certificate::SampleHits;
 using certificate::Strips;
 using certificate::Surface;
@@ -38,20 +39,6 @@ std::vector<TiltSample> tilts(const Surface& from, const Surface& to, const std:
     const Vector3 a = normal_of(from, samples[i].face), b = normal_of(to, hits[i]);
     out.push_back({samples[i].point, kDegrees * angle_between(a, b), patch(samples[i].face, hits[i])});
   }
-  return out;
-}
-
-std::vector<int> closest_faces(const std::vector<AreaSample>& samples, const ClosestPointTree& tree,
-                               const RunContext& context) {
-  std::vector<int> out(samples.size());
-  constexpr int kChunk = 512;
-  const int n = static_cast<int>(samples.size());
-  parallel_for(context, (n + kChunk - 1) / kChunk, [&](int chunk) {
-    context.checkpoint();
-    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
-      out[i] = tree.closest(samples[i].point).face;
-  });
-  context.checkpoint();
   return out;
 }
 
@@ -106,13 +93,17 @@ NormalReport certificate::normals_at(const std::vector<Vector3>& points, const F
 NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& faces,
                              const ClosestPointTree& tree, const StripMesh& result, int samples,
                              RunContext& context) {
-  const Faces strips = Strips(result).faces;
+  const Strips strips(result);
   SampleHits hits;
-  if (!faces.empty() && !strips.empty()) {
-    hits.on_input = certificate::area_samples(points, faces, samples);
-    hits.on_result = certificate::area_samples(result.points, strips, samples);
-    hits.to_result = closest_faces(hits.on_input, ClosestPointTree(result.points, strips, context), context);
-    hits.to_input = closest_faces(hits.on_result, tree, context);
+  if (!faces.empty() && !strips.faces.empty()) {
+    const Surface in{points, faces}, out{result.points, strips.faces};
+    const ClosestPointTree strip_tree(out.points, out.faces, context);
+    hits = {certificate::area_samples(points, faces, samples),
+            certificate::area_samples(out.points, out.faces, samples),
+            {},
+            {}};
+    OneWayDistance(in, out, strip_tree, 0, context).measure(hits.on_input, &hits.to_result);
+    OneWayDistance(out, in, tree, 0, context).measure(hits.on_result, &hits.to_input);
   }
   return certificate::normals_at(points, faces, result, hits);
 }
