@@ -52,6 +52,16 @@ TEST(Structure, ClosedCylinderIsTwoDiscsAndAWall) {
         << "flat discs have no lines to fold, the wall has";
 }
 
+// Corners of the border are no reason to cut a plate.
+TEST(Structure, CombIsOneSheet) {
+  const TriangleSoup soup = shapes::comb(32, 4);
+  const Decomposition d = run(soup);
+  expect_sound(soup, d);
+  EXPECT_EQ(d.strips.patches.size(), 1u);
+  EXPECT_EQ(d.strips.patches[0].corners.size(), 6u) << "of 16 or so";
+  EXPECT_LT(d.report.hausdorff, 0.002);
+}
+
 // Two bowls of an ellipse, rim to rim: the rim is sharp, what it bounds is curved both ways.
 TriangleSoup lens(int around, int rings) {
   TriangleSoup soup = shapes::grid({around, 2 * rings, true, false}, [](double u, double v) {

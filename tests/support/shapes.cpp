@@ -34,6 +34,23 @@ TriangleSoup cube_surface(int n) {
 
 }  // namespace
 
+TriangleSoup comb(int cells, int width) {
+  const TriangleSoup whole = plane(cells);
+  TriangleSoup soup;
+  std::vector<int> id(whole.points.size(), -1);
+  for (std::array<int, 3> f : whole.faces) {
+    const Vector3 middle = (whole.points[f[0]] + whole.points[f[1]] + whole.points[f[2]]) / 3;
+    const auto column = static_cast<int>(middle.x() * cells), row = static_cast<int>(middle.y() * cells);
+    if (row < width && column / width % 2 == 1) continue;
+    for (int& v : f) {
+      if (id[v] < 0) id[v] = static_cast<int>(soup.points.size()), soup.points.push_back(whole.points[v]);
+      v = id[v];
+    }
+    soup.faces.push_back(f);
+  }
+  return soup;
+}
+
 TriangleSoup sphere(int n, double radius) {
   TriangleSoup soup = cube_surface(n);
   for (Vector3& p : soup.points) {

@@ -67,6 +67,8 @@ inline TriangleSoup helicoid(int nu, int nv, double width = 1, double pitch = 1,
     return Vector3(x * std::cos(a), x * std::sin(a), pitch * v);
   });
 }
+/// The unit square without every second bar of `width` of its `cells` along one side: square teeth.
+TriangleSoup comb(int cells, int width);
 /// Sphere as a cube projected to it: n x n quads on each of six sides, points shared.
 TriangleSoup sphere(int n, double radius = 1);
 /// Axis-parallel box with n x n quads a side.

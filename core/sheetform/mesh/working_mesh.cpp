@@ -8,6 +8,7 @@
 #include "sheetform/mesh/denoise.h"
 #include "sheetform/mesh/far_vertices.h"
 #include "sheetform/mesh/mesh_repair.h"
+#include "sheetform/mesh/ragged_borders.h"
 
 namespace sheetform {
 namespace {
@@ -70,7 +71,8 @@ std::optional<SurfaceMesh> without_noise(const SurfaceMesh& input, double e_max,
   return calm;
 }
 
-PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTree& tree,
+// may_stay: where it is even it needs no remeshing.
+PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTree& tree, bool may_stay,
                                   const WorkingMeshParams& params, const RunContext& context) {
   const double sliver = kSliver * std::min(1.0, bounding_box_diagonal(input.points) / kSliverSize);
   const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, sliver, context);
@@ -82,7 +84,8 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
   context.checkpoint();
   double wanted = working_edge_length(mesh, params);
   const double present = mean_edge_length(mesh);
-  if (uniform_enough(mesh) && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
+  may_stay = may_stay && uniform_enough(mesh);
+  if (may_stay && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
   const double finest = edge_length_for(mesh, 20000);
   context.checkpoint();
   PreparedMesh prepared = prepare(mesh, crease, wanted, input, tree, context);
@@ -91,7 +94,7 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
                         loses_detail(input, tree, prepared.mesh, 0.3 * params.e_max, context);
        ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
-    if (uniform_enough(mesh) && present > 0.75 * wanted) return {mesh, crease, false};
+    if (may_stay && present > 0.75 * wanted) return {mesh, crease, false};
     prepared = prepare(mesh, crease, wanted, input, tree, context);
   }
   return prepared;
@@ -101,9 +104,17 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
 
 PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
                           const WorkingMeshParams& params, const RunContext& context) {
+  const double shift = kMostBorderShift * params.e_max;
+  if (const auto even = without_ragged_borders(input, tree, shift, context)) {
+    const std::optional<SurfaceMesh> calm = without_noise(*even, params.e_max, context);
+    const SurfaceMesh& mesh = calm ? *calm : *even;
+    return working_mesh_of_calm(mesh, ClosestPointTree(mesh.points, mesh.faces, context), false, params,
+                                context);
+  }
   const std::optional<SurfaceMesh> calm = without_noise(input, params.e_max, context);
-  if (!calm) return working_mesh_of_calm(input, tree, params, context);
-  return working_mesh_of_calm(*calm, ClosestPointTree(calm->points, calm->faces, context), params, context);
+  if (!calm) return working_mesh_of_calm(input, tree, true, params, context);
+  return working_mesh_of_calm(*calm, ClosestPointTree(calm->points, calm->faces, context), true, params,
+                              context);
 }
 
 }  // namespace sheetform

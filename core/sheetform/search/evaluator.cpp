@@ -31,6 +31,31 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
   return {1 - v - w, v, w};
 }
 
+// Whether no seam ends where the outline comes to this use of an arch: beyond it is the same patch before and
+// after, or nothing.
+bool is_bend(const PatchLayout& layout, const Patch& patch, int use) {
+  const int uses = static_cast<int>(patch.boundary.size());
+  const auto beyond = [&](const ArchUse& u) {
+    return u.forward ? layout.arches[u.arch].right : layout.arches[u.arch].left;
+  };
+  const ArchUse &in = patch.boundary[(use + uses - 1) % uses], &out = patch.boundary[use];
+  return in.arch != out.arch && beyond(in) == beyond(out) && beyond(in) != layout.face_patch[patch.faces[0]];
+}
+
+// Of more corners than a patch may have, the bends that turn least are none.
+void drop_bends(const PatchPolygon& polygon, int max_sides, PatchEvaluation& e) {
+  std::vector<std::pair<double, int>> bends;  // turn, corner
+  for (std::size_t node = 0, i = 0; node < e.turns.size(); ++node, ++i) {
+    while (!polygon.node[i]) ++i;
+    const double turn = std::abs(e.turns[node].angle);
+    if (e.turns[node].may_bend && turn > e.turns[node].limit) bends.emplace_back(turn, static_cast<int>(i));
+  }
+  std::sort(bends.begin(), bends.end());
+  const int excess = static_cast<int>(e.corners.size()) - max_sides;
+  for (int k = 0; k < std::min(excess, static_cast<int>(bends.size())); ++k)
+    e.corners.erase(std::find(e.corners.begin(), e.corners.end(), bends[k].second));
+}
+
 // Nodes where the outline turns: by more than `corner_turn` degrees where two paths meet, by more than 60
 // along one path. Directions are taken over `corner_reach` on either side. An outline that was known with
 // other samples keeps its corners.
@@ -60,10 +85,12 @@ void find_corners(const PatchLayout& layout, const Patch& patch, const Evaluatio
       if (path(i) == path((i + n - 1) % n)) limit = std::max(limit, kTurnAlongPath);
       if (!params.t_junctions) limit = -1;  // every node is one
       const auto& vertices = layout.arches[use.arch].vertices;
-      e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, limit});
+      e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, limit,
+                         params.max_sides >= kMostSides && is_bend(layout, patch, polygon.origin[i].use)});
     }
     if (std::abs(e.turns.back().angle) > e.turns.back().limit) e.corners.push_back(i);
   }
+  drop_bends(polygon, params.max_sides, e);
 }
 
 MorphParams outline_morph(const EvaluationParams& params) {

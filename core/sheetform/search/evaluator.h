@@ -86,11 +86,16 @@ enum class PatchVerdict : char {
 };
 const char* to_string(PatchVerdict verdict);
 
+/// The largest n of the paper. With it, bends of the border or of the seam with one neighbour count as
+/// corners only as far as there is room.
+constexpr int kMostSides = 6;
+
 /// How the flat outline of a patch turns at a node.
 struct NodeTurn {
-  int vertex;    ///< of the mesh
-  double angle;  ///< degrees, counter-clockwise positive
-  double limit;  ///< beyond it the node is a corner
+  int vertex;     ///< of the mesh
+  double angle;   ///< degrees, counter-clockwise positive
+  double limit;   ///< beyond it the node is a corner
+  bool may_bend;  ///< inside of a side, where a patch would have too many corners: no seam ends there
 };
 
 /// All that is known of one patch alone; cached by Patch::key.

@@ -164,7 +164,7 @@ bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::v
       if (in_goes != out_goes)
         at_ends[turns[i].vertex].push_back(turns[i].angle);
       else if (!in_goes)
-        corners += std::abs(turns[i].angle) > turns[i].limit + kFirm;
+        corners += !turns[i].may_bend && std::abs(turns[i].angle) > turns[i].limit + kFirm;
       if (p == beside[0] && out_goes != out_ends) ++corners;  // a tip
     }
   }

@@ -42,13 +42,43 @@ TEST(Verdict, PatchThatMeetsItselfTouches) {
 }
 
 TEST(Verdict, SidesAreCountedBetweenCorners) {
-  const Drawing plus = drawn(".A./AAA/.A.");
-  EXPECT_EQ(verdict_of(plus, 'A', evaluation_params(0.02)), PatchVerdict::kTooManySides) << "12 sides";
+  const Drawing plus = drawn("BAC/AAA/DAE");
+  EXPECT_EQ(verdict_of(plus, 'A', evaluation_params(0.02)), PatchVerdict::kTooManySides) << "8 ends of seams";
   const Drawing ell = drawn("A./AA");
   EXPECT_EQ(verdict_of(ell, 'A', evaluation_params(0.02)), PatchVerdict::kViable) << "6 sides";
   EvaluationParams five = evaluation_params(0.02);
   five.max_sides = 5;
   EXPECT_EQ(verdict_of(ell, 'A', five), PatchVerdict::kTooManySides);
+}
+
+// Of twelve corners six are left, and of eight that one neighbour lies around.
+TEST(Verdict, BendsWhereNoSeamEndsCountOnlyAsFarAsThereIsRoom) {
+  for (const char* text : {".A./AAA/.A.", "BBB/BAB/AAA"}) {
+    const Drawing d = drawn(text);
+    const PatchLayout layout = d.layout();
+    for (int most : {5, 6}) {
+      SearchBed bed(d.mesh);
+      EvaluationParams params = evaluation_params(0.02);
+      params.max_sides = most;
+      LayoutEvaluator evaluator(bed.surface, params, bed.context);
+      const auto e = evaluator.patch(layout, d.patch_of(layout, 'A'));
+      EXPECT_EQ(e->verdict, most == 6 ? PatchVerdict::kViable : PatchVerdict::kTooManySides) << text;
+      EXPECT_EQ(e->corners.size(), most == 6 ? 6u : text[0] == '.' ? 12u : 8u) << text;
+    }
+  }
+}
+
+// The ends of the seams stay corners, whatever bends more.
+TEST(Verdict, EndsOfSeamsAreCornersBeforeBends) {
+  const Drawing d = drawn("BBB/BAB/AAA");
+  const PatchLayout layout = d.layout();
+  SearchBed bed(d.mesh);
+  LayoutEvaluator evaluator(bed.surface, evaluation_params(0.02), bed.context);
+  const auto e = evaluator.patch(layout, d.patch_of(layout, 'A'));
+  for (int vertex : {d.vertex_at(0, 2), d.vertex_at(3, 2)})
+    EXPECT_TRUE(std::any_of(e->corners.begin(), e->corners.end(), [&](int i) {
+      return (e->polygon.point[i] - d.mesh.points[vertex]).norm() < 1e-9;
+    }));
 }
 
 TEST(Verdict, TJunctionsOnASideAreNoCorners) {
