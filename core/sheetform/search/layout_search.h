@@ -211,7 +211,7 @@ class LayoutSearch {
     return with_loose_ends(network_.network(), std::move(edges), tip);
   }
   std::vector<int> with_loose_ends(const PathNetwork& net, std::vector<int> edges, int tip = -1) const;
-  bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges);
+  bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges, int most);
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
   bool covers_hopeless(const std::vector<int>& patches) const;
   bool too_round(const std::vector<int>& beside, double inner_length) const;
