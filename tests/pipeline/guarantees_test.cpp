@@ -162,6 +162,15 @@ TEST(Guarantees, ComponentsSmallerThanTheToleranceKeepTheirShape) {
     }
 }
 
+TEST(Guarantees, PlatesThinnerThanTheToleranceAreNotTurnedInsideOut) {
+  for (double thickness : {0.004, 0.02, 0.05}) {
+    const TriangleSoup soup = shapes::box(12, {1, 0.7, thickness});
+    const Decomposition d = run(soup, with_e_max(0.05));
+    expect_sound(soup, d);
+    EXPECT_TRUE(d.report.e_max_met) << thickness;
+  }
+}
+
 TEST(Guarantees, ToleranceOutOfReachIsTold) {
   // Finer than the facets allow at this size: the result is valid and says by how much and where it misses.
   const TriangleSoup soup = shapes::sphere(4);

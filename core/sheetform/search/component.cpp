@@ -57,6 +57,8 @@ constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips g
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
 
 constexpr int kFinerAttempts = 3;
+// Below this mean cosine to the surface the input, measured elsewhere, may find the strips inside out.
+constexpr double kFacing = 0.1;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
 // The layout as strips, and what is still wrong with it.
@@ -659,11 +661,14 @@ class ComponentRun {
   Laps laps_;
 };
 
-// Two sides of a plate thinner than the tolerance may have become one: finer parts keep them apart.
+// Two sides of a plate thinner than the tolerance may have become one, or changed places: finer parts keep
+// them apart.
 ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, ComponentParams params,
                            RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
-    if (check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty()) break;
+    if (facing(result.strips, input.prepared.mesh) > kFacing &&
+        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty())
+      break;
     params.evaluation.e_max /= 2;
     const EvaluationCounts before = result.counts;
     ComponentRun(input, params, context)

@@ -86,6 +86,19 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
   return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, {});
 }
 
+double facing(const StripMesh& result, const SurfaceMesh& surface) {
+  const ClosestPointTree tree(surface.points, surface.faces);
+  double sum = 0, area = 0;
+  for (const StripMesh::Patch& patch : result.patches)
+    for (const StripMesh::Triangle& t : patch.triangles) {
+      const Vector3 &a = result.points[t.v[0]], &b = result.points[t.v[1]], &c = result.points[t.v[2]];
+      const Vector3 normal = (b - a).cross(c - a);
+      sum += normal.dot(surface.face_normal_raw(tree.closest((a + b + c) / 3).face).stableNormalized());
+      area += normal.norm();
+    }
+  return area > 0 ? sum / area : 0;
+}
+
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,
                     int max_sides, int samples, RunContext& context, double promised) {
   Certificate c;

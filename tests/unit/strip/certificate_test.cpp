@@ -503,5 +503,14 @@ TEST(Certify, SaysAllOfIt) {
   EXPECT_LT(c.isometry_error, 1e-12);
 }
 
+TEST(Facing, IsOneOnTheSurfaceItselfAndMinusOneInsideOut) {
+  for (const StripMesh& strips : {shapes::tube(24), shapes::torus_bands(6, 24)}) {
+    TriangleSoup soup = shapes::soup_of(strips);
+    EXPECT_NEAR(facing(strips, build_surface_mesh(soup.points, soup.faces)), 1, 1e-9);
+    for (auto& f : soup.faces) std::swap(f[1], f[2]);
+    EXPECT_NEAR(facing(strips, build_surface_mesh(soup.points, soup.faces)), -1, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace sheetform
