@@ -32,9 +32,9 @@ constexpr double kMeasured = 0.998;
 // multiple of the tolerance rulings become plainer at once.
 constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
-constexpr double kLost = 1.5;  // multiple of the tolerance: a pass that stays beyond it for steps is given up
-constexpr double kHopeless = 1.5;  // the same of a whole result: another search would not meet it either
-constexpr double kBehind = 1.5;    // multiple of another pass's excess beyond which a pass is given up
+// Multiples of the tolerance beyond which a pass that stays there for steps is given up, and a whole result,
+// which another search would not better; and of another pass's excess beyond which a pass is given up.
+constexpr double kLost = 1.5, kHopeless = 1.5, kBehind = 1.5;
 // So many parts at most grow after the last pass, where the search sees no more than this error, in
 // tolerances.
 constexpr int kMostEnlarged = 6;
@@ -45,8 +45,7 @@ constexpr double kRoomAtEnd = 1.12;
 constexpr double kFarthest = 0.5, kZigzag = 0.01;
 constexpr int kMostFairings = 8;
 constexpr double kLeastShare = 0.05;
-constexpr double kOnPlane = 1e-9;  // of the diagonal
-
+constexpr double kOnPlane = 1e-9;   // of the diagonal
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
 constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is wanted, none is traced or cut
 constexpr int kEvener = 4;        // further morphs for outline points at the distances asked for
@@ -661,8 +660,7 @@ class ComponentRun {
   Laps laps_;
 };
 
-// Two sides of a plate thinner than the tolerance may have become one, or changed places: finer parts keep
-// them apart.
+// Sides of a plate thinner than the tolerance may have become one or changed places: finer parts part them.
 ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, ComponentParams params,
                            RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
