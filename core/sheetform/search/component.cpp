@@ -56,8 +56,8 @@ constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips g
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
 
 constexpr int kFinerAttempts = 3;
-// Below this mean cosine to the surface the input, measured elsewhere, may find the strips inside out.
-constexpr double kFacing = 0.1;
+// Mean cosine to the input below which strips are inside out, with room for rounding.
+constexpr double kFacing = 1e-3;
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
 // The layout as strips, and what is still wrong with it.
@@ -664,7 +664,7 @@ class ComponentRun {
 ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, ComponentParams params,
                            RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
-    if (facing(result.strips, input.prepared.mesh) > kFacing &&
+    if (facing(result.strips, input.reference) > kFacing &&
         check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty())
       break;
     params.evaluation.e_max /= 2;

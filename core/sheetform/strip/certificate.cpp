@@ -86,14 +86,16 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
   return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, {});
 }
 
-double facing(const StripMesh& result, const SurfaceMesh& surface) {
+double facing(const StripMesh& result, const TriangleSoup& surface) {
   const ClosestPointTree tree(surface.points, surface.faces);
   double sum = 0, area = 0;
   for (const StripMesh::Patch& patch : result.patches)
     for (const StripMesh::Triangle& t : patch.triangles) {
       const Vector3 &a = result.points[t.v[0]], &b = result.points[t.v[1]], &c = result.points[t.v[2]];
       const Vector3 normal = (b - a).cross(c - a);
-      sum += normal.dot(surface.face_normal_raw(tree.closest((a + b + c) / 3).face).stableNormalized());
+      const auto& near = surface.faces[tree.closest((a + b + c) / 3).face];
+      const Vector3& p = surface.points[near[0]];
+      sum += normal.dot((surface.points[near[1]] - p).cross(surface.points[near[2]] - p).stableNormalized());
       area += normal.norm();
     }
   return area > 0 ? sum / area : 0;
