@@ -107,7 +107,7 @@ struct Variant {
   std::uint64_t seed_offset;
 };
 
-const Variant kNormalVariant{Effort::kNormal, {200, 60}, 6, 0};
+const Variant kNormalVariant{Effort::kNormal, {200, 60}, 12, 0};
 
 // The first variant of thorough is normal itself, so that thorough is never worse.
 std::vector<Variant> variants(Effort effort) {
@@ -120,9 +120,9 @@ std::vector<Variant> variants(Effort effort) {
       break;
   }
   return {kNormalVariant,
-          {Effort::kDraft, {60}, 150, 1},
-          {Effort::kNormal, {200}, 150, 2},
-          {Effort::kNormal, {400}, 150, 3}};
+          {Effort::kDraft, {60}, 300, 1},
+          {Effort::kNormal, {200}, 300, 2},
+          {Effort::kNormal, {400}, 300, 3}};
 }
 
 // size: of the component, in diagonals of the input.

@@ -51,10 +51,9 @@ constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is
 constexpr int kEvener = 4;        // further morphs for outline points at the distances asked for
 // Coarser outlines may spare a split or two; with many parts that is not worth it in every round.
 constexpr std::size_t kFewOf = 100, kManyParts = 60;
-constexpr int kOutlineRounds = 2;
+constexpr int kOutlineRounds = 2, kFewParts = 8;
 constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips go before the distances
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
-
 constexpr int kFinerAttempts = 3;
 // Mean cosine to the input below which strips are inside out, with room for rounding.
 constexpr double kFacing = 1e-3;
@@ -328,9 +327,10 @@ class ComponentRun {
 
   bool quick() const { return params_.improvements == 0; }
 
-  // Few parts are soon tried out, and one cannot become fewer.
+  // Few parts are soon tried out, and one cannot become fewer; among many a try wins less.
   int tries(LayoutSearch& search) const {
-    return std::min(params_.improvements, 6 * (static_cast<int>(search.layout().patches.size()) - 1));
+    const int parts = static_cast<int>(search.layout().patches.size());
+    return std::min(parts > kFewParts ? params_.improvements / 2 : params_.improvements, 6 * (parts - 1));
   }
 
   static std::vector<std::uint64_t> keys_of(const PatchLayout& layout, const std::vector<int>& patches) {

@@ -33,7 +33,8 @@ struct ComponentInput {
 struct ComponentParams {
   EvaluationParams evaluation;  ///< e_max is the promised tolerance here
   std::vector<int> seeds{200};  ///< interior seeds of candidate paths, for a search each: the best goes on
-  /// Tries of the local search. 0: no other step either that takes long for a few parts less.
+  /// Tries of the local search, half of them above eight parts. 0: no other step either that takes long for a
+  /// few parts less.
   int improvements = 20;
   double fine_spacing = 0.015;            ///< outline samples of the result
   SpacingBounds spacing;                  ///< of the outline points of the result
