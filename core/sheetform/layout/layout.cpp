@@ -98,7 +98,10 @@ class Extractor {
       if (degree++ == 0) first = path;
       differ |= path != first;
     }
-    out_.node[v] = degree > 0 && (degree != 2 || differ || net_.pinned_node[v]);
+    out_.node[v] = degree == 0                     ? PatchLayout::kNone
+                   : degree != 2                   ? PatchLayout::kMeeting
+                   : differ || net_.pinned_node[v] ? PatchLayout::kBend
+                                                   : PatchLayout::kNone;
   }
 
   int next_edge(int v, int from) const {
@@ -253,8 +256,12 @@ class Extractor {
     const bool disk = patch.loops == 1 && euler(p) == 1;
     patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
     patch.key = mix(patch.faces.size(), static_cast<std::uint64_t>(patch.loops));
-    for (const ArchUse& use : patch.boundary)
-      patch.key = mix(patch.key, out_.arches[use.arch].key * 2 + use.forward);
+    for (const ArchUse& use : patch.boundary) {
+      const std::vector<int>& line = out_.arches[use.arch].vertices;
+      const char start =
+          out_.node[use.forward ? line.front() : line.back()];  // what is a corner depends on it
+      patch.key = mix(patch.key, (out_.arches[use.arch].key * 2 + use.forward) * 4 + start);
+    }
   }
 
   // A patch may meet itself along a seam, never at a single vertex.

@@ -85,7 +85,9 @@ struct PatchLayout {
   std::vector<Patch> patches;
   std::vector<Arch> arches;
   std::vector<int> edge_arch;  ///< per mesh edge, -1 if none
-  std::vector<char> node;      ///< per vertex
+  /// What a vertex is to the network: no node, a bend where only two of its edges meet, or where others end.
+  enum Node : char { kNone, kBend, kMeeting };
+  std::vector<char> node;  ///< per vertex
 };
 
 struct LayoutRules {

@@ -294,7 +294,8 @@ PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, c
       polygon.uv.push_back((1 - t) * chart.uv[line[i]] + t * chart.uv[line[i + 1]]);
       polygon.point.push_back(arch_point(mesh, arch, at));
       polygon.origin.push_back({static_cast<int>(u), index});
-      polygon.node.push_back(s == 0 && layout.node[arch.vertices[use.forward ? 0 : edges]]);
+      const char node = layout.node[arch.vertices[use.forward ? 0 : edges]];
+      polygon.node.push_back(s == 0 ? node : static_cast<char>(PatchLayout::kNone));
     }
   }
   return polygon;

@@ -38,7 +38,7 @@ struct PatchPolygon {
   std::vector<Vector2> uv;
   std::vector<Vector3> point;  ///< on the surface
   std::vector<Origin> origin;
-  std::vector<char> node;  ///< the point is a node of the network
+  std::vector<char> node;  ///< PatchLayout::Node of the point
   int size() const { return static_cast<int>(uv.size()); }
 };
 PatchPolygon patch_polygon(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,

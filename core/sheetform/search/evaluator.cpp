@@ -31,17 +31,6 @@ std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vect
   return {1 - v - w, v, w};
 }
 
-// Whether no seam ends where the outline comes to this use of an arch: beyond it is the same patch before and
-// after, or nothing.
-bool is_bend(const PatchLayout& layout, const Patch& patch, int use) {
-  const int uses = static_cast<int>(patch.boundary.size());
-  const auto beyond = [&](const ArchUse& u) {
-    return u.forward ? layout.arches[u.arch].right : layout.arches[u.arch].left;
-  };
-  const ArchUse &in = patch.boundary[(use + uses - 1) % uses], &out = patch.boundary[use];
-  return in.arch != out.arch && beyond(in) == beyond(out) && beyond(in) != layout.face_patch[patch.faces[0]];
-}
-
 // Of more corners than a patch may have, the bends that turn least are none.
 void drop_bends(const PatchPolygon& polygon, int max_sides, PatchEvaluation& e) {
   std::vector<std::pair<double, int>> bends;  // turn, corner
@@ -63,8 +52,9 @@ void find_corners(const PatchLayout& layout, const Patch& patch, const Evaluatio
                   const PatchEvaluation* known, PatchEvaluation& e) {
   const PatchPolygon& polygon = e.polygon;
   const int n = polygon.size();
-  const bool keep = known != nullptr && static_cast<std::ptrdiff_t>(known->turns.size()) ==
-                                            std::count(polygon.node.begin(), polygon.node.end(), 1);
+  const bool keep =
+      known != nullptr && n - static_cast<std::ptrdiff_t>(known->turns.size()) ==
+                              std::count(polygon.node.begin(), polygon.node.end(), PatchLayout::kNone);
   const auto away = [&](int i, int step) {
     int k = i;
     do k = (k + step + n) % n;
@@ -86,7 +76,7 @@ void find_corners(const PatchLayout& layout, const Patch& patch, const Evaluatio
       if (!params.t_junctions) limit = -1;  // every node is one
       const auto& vertices = layout.arches[use.arch].vertices;
       e.turns.push_back({use.forward ? vertices.front() : vertices.back(), angle, limit,
-                         params.max_sides >= kMostSides && is_bend(layout, patch, polygon.origin[i].use)});
+                         params.max_sides >= kMostSides && polygon.node[i] == PatchLayout::kBend});
     }
     if (std::abs(e.turns.back().angle) > e.turns.back().limit) e.corners.push_back(i);
   }

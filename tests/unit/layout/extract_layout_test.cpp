@@ -17,7 +17,8 @@ using shapes::Drawing;
 using shapes::drawn;
 
 int node_count(const PatchLayout& layout) {
-  return static_cast<int>(std::count(layout.node.begin(), layout.node.end(), 1));
+  return static_cast<int>(
+      std::count_if(layout.node.begin(), layout.node.end(), [](char n) { return n != 0; }));
 }
 
 int first_vertex(const PatchLayout& layout, const ArchUse& use) {

@@ -68,7 +68,7 @@ TEST(AddCreases, BoxIsSixFacesTwelveArchesEightNodes) {
   const PatchLayout layout = crease_layout(mesh, &network);
   EXPECT_EQ(layout.patches.size(), 6u);
   EXPECT_EQ(layout.arches.size(), 12u);
-  EXPECT_EQ(std::count(layout.node.begin(), layout.node.end(), 1), 8);
+  EXPECT_EQ(std::count_if(layout.node.begin(), layout.node.end(), [](char n) { return n != 0; }), 8);
   EXPECT_EQ(network.kinds.size(), 13u) << "the border and one path an edge of the box";
   std::multiset<double> areas;
   for (const Patch& p : layout.patches) {

@@ -81,7 +81,7 @@ TEST(PatchPolygon, GoesAroundOnceCounterClockwise) {
   EXPECT_NEAR(signed_area(polygon.uv), 1.0, 1e-3);
   int nodes = 0;
   for (int i = 0; i < 40; ++i) {
-    nodes += polygon.node[i];
+    nodes += polygon.node[i] != 0;
     EXPECT_NEAR((polygon.uv[(i + 1) % 40] - polygon.uv[i]).norm(), 0.1, 1e-3);
     EXPECT_NEAR((polygon.point[(i + 1) % 40] - polygon.point[i]).norm(), 0.1, 1e-3);
     EXPECT_NEAR(polygon.point[i].head<2>().norm(), 1, 1e-3);

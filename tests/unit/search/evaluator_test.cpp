@@ -81,6 +81,16 @@ TEST(Verdict, EndsOfSeamsAreCornersBeforeBends) {
     }));
 }
 
+// In a region the patches beyond are unknown; ends of seams are no bends for that.
+TEST(Verdict, BendsAreToldInARegionToo) {
+  const Drawing d = drawn("BAC/AAA/DAE");
+  SearchBed bed(d.mesh);
+  LayoutEvaluator evaluator(bed.surface, evaluation_params(0.02), bed.context);
+  const PatchLayout region = extract_region(d.mesh, d.network, d.versions, {}, d.faces_of('A'));
+  ASSERT_EQ(region.patches.size(), 1u);
+  EXPECT_EQ(evaluator.patch(region, 0)->verdict, PatchVerdict::kTooManySides) << "8 ends of seams";
+}
+
 TEST(Verdict, TJunctionsOnASideAreNoCorners) {
   // B has four corners and five T-junctions on one of its sides.
   const Drawing d = drawn("BBBBBB/ACADAC");
