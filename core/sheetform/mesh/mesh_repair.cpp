@@ -418,18 +418,21 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
   return result;
 }
 
-int count_border_loops(const SurfaceMesh& mesh) {
+std::vector<std::vector<int>> border_loops(const SurfaceMesh& mesh) {
+  std::vector<std::vector<int>> loops;
   std::vector<char> seen(mesh.points.size(), 0);
-  int loops = 0;
   for (int start_at = 0; start_at < mesh.vertex_count(); ++start_at) {
     if (!mesh.border_vertex[start_at] || seen[start_at]) continue;
-    ++loops;
+    std::vector<int>& loop = loops.emplace_back();
     for (int v = start_at; !seen[v];) {
-      seen[v] = 1;  // the first edge of the ring leads along the border
-      v = mesh.edges[*mesh.ring_begin_of(v)].other(v);
+      seen[v] = 1;
+      loop.push_back(v);
+      v = mesh.edges[*mesh.ring_begin_of(v)].other(v);  // the first edge of the ring leads along the border
     }
   }
   return loops;
 }
+
+int count_border_loops(const SurfaceMesh& mesh) { return static_cast<int>(border_loops(mesh).size()); }
 
 }  // namespace sheetform

@@ -24,7 +24,8 @@ struct RepairResult {
 /// distinct vertices are kept. Throws Error kUnsupportedMesh when no face or no area is left. O(n log n).
 RepairResult repair(const TriangleSoup& soup, const RunContext& context = {});
 
-/// Loops of border edges.
+/// Loops of border edges, by their vertices; the loop of the lowest vertex first, from it on.
+std::vector<std::vector<int>> border_loops(const SurfaceMesh& mesh);
 int count_border_loops(const SurfaceMesh& mesh);
 
 }  // namespace sheetform

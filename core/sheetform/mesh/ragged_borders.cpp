@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sheetform/mesh/mesh_repair.h"
+
 namespace sheetform {
 namespace {
 
@@ -23,21 +25,6 @@ constexpr int kMostHoldings = 60;
 constexpr double kHold = 0.95;
 
 using Loop = std::vector<int>;
-
-std::vector<Loop> border_loops(const SurfaceMesh& mesh) {
-  std::vector<Loop> loops;
-  std::vector<char> seen(mesh.points.size(), 0);
-  for (int start = 0; start < mesh.vertex_count(); ++start) {
-    if (!mesh.border_vertex[start] || seen[start]) continue;
-    Loop loop;
-    for (int v = start; !seen[v]; v = mesh.edges[*mesh.ring_begin_of(v)].other(v)) {
-      seen[v] = 1;
-      loop.push_back(v);
-    }
-    loops.push_back(std::move(loop));
-  }
-  return loops;
-}
 
 // Axis times angle.
 Vector3 turn(const Vector3& before, const Vector3& at, const Vector3& after) {

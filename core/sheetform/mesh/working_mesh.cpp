@@ -104,17 +104,12 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
 
 PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
                           const WorkingMeshParams& params, const RunContext& context) {
-  const double shift = kMostBorderShift * params.e_max;
-  if (const auto even = without_ragged_borders(input, tree, shift, context)) {
-    const std::optional<SurfaceMesh> calm = without_noise(*even, params.e_max, context);
-    const SurfaceMesh& mesh = calm ? *calm : *even;
-    return working_mesh_of_calm(mesh, ClosestPointTree(mesh.points, mesh.faces, context), false, params,
-                                context);
-  }
-  const std::optional<SurfaceMesh> calm = without_noise(input, params.e_max, context);
-  if (!calm) return working_mesh_of_calm(input, tree, true, params, context);
-  return working_mesh_of_calm(*calm, ClosestPointTree(calm->points, calm->faces, context), true, params,
-                              context);
+  const auto even = without_ragged_borders(input, tree, kMostBorderShift * params.e_max, context);
+  const auto calm = without_noise(even ? *even : input, params.e_max, context);
+  if (!even && !calm) return working_mesh_of_calm(input, tree, true, params, context);
+  const SurfaceMesh& mesh = calm ? *calm : *even;
+  const ClosestPointTree own(mesh.points, mesh.faces, context);
+  return working_mesh_of_calm(mesh, own, !even, params, context);
 }
 
 }  // namespace sheetform

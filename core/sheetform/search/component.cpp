@@ -55,8 +55,7 @@ constexpr int kOutlineRounds = 2, kFewParts = 8;
 constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips go before the distances
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
 constexpr int kFinerAttempts = 3;
-// Mean cosine to the input below which strips are inside out, with room for rounding.
-constexpr double kFacing = 1e-3;
+constexpr double kFacing = 1e-3;  // mean cosine to the input below which strips are inside out
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
 
 // The layout as strips, and what is still wrong with it.
@@ -99,7 +98,7 @@ class ComponentRun {
         tree_(*own_tree_) {}
 
   using Found = std::function<void(std::size_t, const ComponentResult&)>;
-
+  const ClosestPointTree& tree() const { return tree_; }  // of the input
   void run(const std::vector<double>& tolerances, const Found& found) {
     params_.evaluation.e_max = tolerances.front();
     const SurfaceMesh& mesh = input_.prepared.mesh;
@@ -661,10 +660,10 @@ class ComponentRun {
 };
 
 // Sides of a plate thinner than the tolerance may have become one or changed places: finer parts part them.
-ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, ComponentParams params,
-                           RunContext& context) {
+ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, const ClosestPointTree& tree,
+                           ComponentParams params, RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
-    if (facing(result.strips, input.reference) > kFacing &&
+    if (facing(result.strips, input.reference, tree) > kFacing &&
         check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty())
       break;
     params.evaluation.e_max /= 2;
@@ -691,9 +690,10 @@ void sweep_component(const ComponentInput& input, const ComponentParams& params,
                      const std::vector<double>& e_max, RunContext& context,
                      const std::function<void(std::size_t, ComponentResult)>& found) {
   ComponentParams own = params;
-  ComponentRun(input, params, context).run(e_max, [&](std::size_t k, const ComponentResult& result) {
+  ComponentRun run(input, params, context);
+  run.run(e_max, [&](std::size_t k, const ComponentResult& result) {
     own.evaluation.e_max = e_max[k];
-    found(k, kept_apart(result, input, own, context));
+    found(k, kept_apart(result, input, run.tree(), own, context));
   });
 }
 

@@ -86,8 +86,7 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
   return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, {});
 }
 
-double facing(const StripMesh& result, const TriangleSoup& surface) {
-  const ClosestPointTree tree(surface.points, surface.faces);
+double facing(const StripMesh& result, const TriangleSoup& surface, const ClosestPointTree& tree) {
   double sum = 0, area = 0;
   for (const StripMesh::Patch& patch : result.patches)
     for (const StripMesh::Triangle& t : patch.triangles) {

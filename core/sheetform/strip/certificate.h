@@ -64,9 +64,9 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
                                     double bbox_diagonal, double* isometry_error = nullptr);
 
 /// How far the strips of one component show their outside where the surface does: mean cosine between the
-/// normals of both at nearest points, -1 to 1. Two walls that are nearer to each other than the strips to
-/// either are told apart by chance: about 0. O(n log n).
-double facing(const StripMesh& result, const TriangleSoup& surface);
+/// normals of both at nearest points, -1 to 1. `tree`: of the surface. Two walls that are nearer to each
+/// other than the strips to either are told apart by chance: about 0. O(n log n).
+double facing(const StripMesh& result, const TriangleSoup& surface, const ClosestPointTree& tree);
 
 /// Defects of one patch alone that only need its own triangles: S3, S6, S7, S8 and its part of S9.
 /// Used inside the search before a patch is committed.

@@ -506,9 +506,9 @@ TEST(Certify, SaysAllOfIt) {
 TEST(Facing, IsOneOnTheSurfaceItselfAndMinusOneInsideOut) {
   for (const StripMesh& strips : {shapes::tube(24), shapes::torus_bands(6, 24)}) {
     TriangleSoup soup = shapes::soup_of(strips);
-    EXPECT_NEAR(facing(strips, soup), 1, 1e-9);
+    EXPECT_NEAR(facing(strips, soup, ClosestPointTree(soup.points, soup.faces)), 1, 1e-9);
     for (auto& f : soup.faces) std::swap(f[1], f[2]);
-    EXPECT_NEAR(facing(strips, soup), -1, 1e-9);
+    EXPECT_NEAR(facing(strips, soup, ClosestPointTree(soup.points, soup.faces)), -1, 1e-9);
   }
 }
 
