@@ -73,10 +73,6 @@ it("the list of jobs survives, too", async () => {
 });
 
 it("had nothing else to complain about", () => {
-  assert.deepEqual(
-    window.complaintsBut(
-      /ERR_CONNECTION_REFUSED|ERR_FAILED|ERR_INCOMPLETE_CHUNKED_ENCODING|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|\b503\b/,
-    ),
-    [],
-  );
+  // Which of its errors of the network a browser gives depends on what a broken connection was at: any of them will do.
+  assert.deepEqual(window.complaintsBut(/Failed to load resource: net::ERR_/, /ERR_INCOMPLETE_CHUNKED_ENCODING/, /\b503\b/), []);
 });
