@@ -107,7 +107,7 @@ struct Variant {
   std::uint64_t seed_offset;
 };
 
-const Variant kNormalVariant{Effort::kNormal, {200, 60}, 12, 0};
+const Variant kNormalVariant{Effort::kNormal, {60, 200}, 12, 0};
 
 // The first variant of thorough is normal itself, so that thorough is never worse.
 std::vector<Variant> variants(Effort effort) {

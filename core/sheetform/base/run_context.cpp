@@ -59,6 +59,10 @@ void RunContext::report(Stage stage, double part, const std::string& message) co
   progress(stage, s.begin + (s.end - s.begin) * std::clamp(part, 0.0, 1.0), message);
 }
 
+int threads_at_hand(const RunContext& context) {
+  return idle_threads == nullptr ? context.threads : std::min(context.threads, 1 + *idle_threads);
+}
+
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn) {
   std::atomic<int> own{context.threads - 1};
   std::atomic<int>& idle = idle_threads != nullptr ? *idle_threads : own;

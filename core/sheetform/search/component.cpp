@@ -32,9 +32,11 @@ constexpr double kMeasured = 0.998;
 // multiple of the tolerance rulings become plainer at once.
 constexpr int kMostSteps = 12;
 constexpr double kProgress = 0.85, kHard = 1.1;
-// Multiples of the tolerance beyond which a pass that stays there for steps is given up, and a whole result,
-// which another search would not better; and of another pass's excess beyond which a pass is given up.
-constexpr double kLost = 1.5, kHopeless = 1.5, kBehind = 1.5;
+// Multiples of the tolerance beyond which a pass that stays there for so many steps is given up (of 60 none
+// kept the tolerance later), and a whole result, which another search would not better; and of another pass's
+// excess beyond which a pass is given up.
+constexpr double kLost = 1.1, kHopeless = 1.5, kBehind = 1.5;
+constexpr int kStale = 2;
 // So many parts at most grow after the last pass, where the search sees no more than this error, in
 // tolerances.
 constexpr int kMostEnlarged = 6;
@@ -106,32 +108,19 @@ class ComponentRun {
     const std::vector<char> lines = lines_of(input_);
     context_.report(Stage::kField, 0);
     curvature_ = principal_curvature(mesh, crease, {}, context_);
-    CrossField field;
     parallel_for(context_, 2, [&](int i) {  // neither needs the other
       if (i == 1) return set_up_surface();
-      field =
+      field_ =
           cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     });
     laps_.lap(Stage::kField);
     context_.report(Stage::kTrace, 0);
-    const TracingGraph graph =
-        without_edges(mesh, tracing_graph(mesh, lines, field, {}, context_), surface_.keep_out);
-    const PathNetwork start = start_network(graph, field);
-    TraceParams trace;
-    trace.seeds = *std::max_element(params_.seeds.begin(), params_.seeds.end());
-    const std::vector<Path> candidates = trace_candidates(mesh, graph, field, trace, context_);
-    for (int seeds : params_.seeds) {
-      std::vector<Path> own;
-      std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(own),
-                   [&](const Path& path) { return path.seed < seeds; });
-      add_lane(start, graph, std::move(own));
-    }
+    graph_ = without_edges(mesh, tracing_graph(mesh, lines, field_, {}, context_), surface_.keep_out);
+    start_ = start_network();
     laps_.lap(Stage::kTrace);
     ComponentResult finer;
     for (std::size_t k = 0; k < tolerances.size(); ++k) {
       params_.evaluation.e_max = tolerances[k];
-      if (k > 0)
-        for (Lane& lane : lanes_) lane.again(start, search_params());
       ComponentResult result = solve();
       if (k > 0 && result.strips.patches.size() > finer.strips.patches.size())
         result = as_coarser(finer, tolerances[k], std::move(result));
@@ -141,31 +130,31 @@ class ComponentRun {
   }
 
  private:
-  // A search with its own copy of the surface, which it may move; several run side by side.
+  // Searches from so many candidates, one a tolerance, with charts of those before; the surface is theirs to
+  // move.
   struct Lane {
     SearchSurface surface;
-    RunContext context;
-    std::vector<std::unique_ptr<LayoutSearch>> searches;  // one a tolerance, with charts of those before
-    LayoutSearch& search() { return *searches.back(); }
-    void again(const PathNetwork& start, const SearchParams& params) {
-      searches.push_back(std::make_unique<LayoutSearch>(search(), start, params));
-    }
+    std::vector<std::unique_ptr<LayoutSearch>> searches;
   };
 
-  void add_lane(const PathNetwork& start, const TracingGraph& graph, std::vector<Path> candidates) {
-    Lane& lane = lanes_.emplace_back();
-    lane.surface = surface_;
-    lane.context = context_;
-    lane.searches.push_back(std::make_unique<LayoutSearch>(lane.surface, start, graph, std::move(candidates),
-                                                           search_params(), lane.context));
-  }
-
-  void in_all_lanes(const std::function<void(LayoutSearch&)>& step) {
-    const int n = static_cast<int>(lanes_.size());
-    for (Lane& lane : lanes_)
-      if (&lane != &lanes_.front()) lane.context.progress = nullptr;
-    parallel_for(context_, n, [&](int i) { step(lanes_[i].search()); });
-    for (Lane& lane : lanes_) lane.context = context_;
+  // A search for the tolerance as it is now.
+  LayoutSearch& begin(std::size_t k) {
+    if (k == lanes_.size()) {
+      TraceParams trace;
+      trace.seeds = params_.seeds[k];
+      lane_ = &lanes_.emplace_back();
+      lane_->surface = surface_;
+      lane_->searches.push_back(std::make_unique<LayoutSearch>(
+          lane_->surface, start_, graph_,
+          trace_candidates(input_.prepared.mesh, graph_, field_, trace, context_), search_params(),
+          context_));
+      laps_.lap(Stage::kTrace);
+    } else {
+      lane_ = &lanes_[k];
+      lane_->searches.push_back(
+          std::make_unique<LayoutSearch>(*lane_->searches.back(), start_, search_params()));
+    }
+    return *lane_->searches.back();
   }
 
   void set_up_surface() {
@@ -205,13 +194,13 @@ class ComponentRun {
     return own;
   }
 
-  PathNetwork start_network(const TracingGraph& graph, const CrossField& field) const {
+  PathNetwork start_network() const {
     PathNetwork network = bare_network(surface_.mesh);
     if (input_.half) add_symmetry(surface_.plane.edge, network);
     add_creases(surface_.mesh, input_.prepared.crease_edge, network);
     if (input_.drawn_edge.empty()) return network;
     add_creases(surface_.mesh, input_.drawn_edge, network, PathKind::kDrawn);
-    extend_drawn_ends(surface_.mesh, graph, field, network, context_);
+    extend_drawn_ends(surface_.mesh, graph_, field_, network, context_);
     return network;
   }
 
@@ -223,28 +212,25 @@ class ComponentRun {
     return search;
   }
 
-  // From the bare network to the strips; what is shared counts for the first tolerance.
+  // From the bare network to the strips; what is shared counts for the first tolerance. Chance decides what
+  // greedy steps end in: where a search misses the tolerance by little, or has no valid strips, the next may
+  // do.
   ComponentResult solve() {
-    in_all_lanes([](LayoutSearch& search) { search.insert(); });
-    laps_.lap(Stage::kInsert);
-    in_all_lanes([this](LayoutSearch& search) { reduce(search); });
-    std::vector<Lane*> order;
-    for (Lane& lane : lanes_) order.push_back(&lane);
-    std::stable_sort(order.begin(), order.end(),
-                     [](Lane* a, Lane* b) { return a->search().objective() < b->search().objective(); });
-    // Where the better one misses the tolerance by little, or has no valid strips, the other may do.
     ComponentResult best;
-    for (Lane* lane : order) {
-      lane_ = lane;
-      complete(lane->search());
+    for (std::size_t k = 0; k < params_.seeds.size(); ++k) {
+      LayoutSearch& search = begin(k);
+      search.insert();
+      laps_.lap(Stage::kInsert);
+      reduce(search);
+      complete(search);
       if (best.strips.patches.empty() || rank_of(result_) < rank_of(best)) std::swap(best, result_);
       best.counts += std::exchange(result_, {}).counts;
+      best.counts += search.evaluator().counts();
       if (!best.strips.patches.empty() && (best.miss <= 1 || best.miss > kHopeless)) break;
     }
     if (best.strips.patches.empty())
       throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
     best.seconds = laps_.take();
-    for (Lane& lane : lanes_) best.counts += lane.search().evaluator().counts();
     return best;
   }
 
@@ -253,7 +239,7 @@ class ComponentRun {
     return {r.strips.patches.empty(), std::max(r.miss - 1, 0.0), r.strips.patches.size()};
   }
 
-  // Fills result_ from what a lane has found; without strips when none are valid.
+  // Fills result_ from what a search has found; without strips when none are valid.
   void complete(LayoutSearch& search) {
     improve(search);
     if (input_.half) search.straighten_plane();
@@ -320,6 +306,7 @@ class ComponentRun {
     search.share_out_small();
     search.smooth_what_allows();
     search.smooth_rough_arches();
+    search.shorten_seams();
     search.leave_darts();
     search.grow_slight();
   }
@@ -462,11 +449,11 @@ class ComponentRun {
       eased |= mended;
       const std::vector<int> too_far = attempt.too_far;
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
-      if (best.invalid.empty() && best.miss > kLost && stale >= 4) break;
+      if (best.invalid.empty() && best.miss > kLost && stale >= kStale) break;
       if (stuck || (step > 0 && to_beat != nullptr && far_behind(best, *to_beat))) break;
       if (eased) continue;
       if (too_far.empty()) break;
-      if (stale >= 2) {
+      if (stale >= kStale) {
         if (!pass.plainer(too_far)) break;
         stale = 0;
       }
@@ -652,9 +639,12 @@ class ComponentRun {
   std::shared_ptr<const ClosestPointTree> own_tree_;
   const ClosestPointTree& tree_;
   CurvatureField curvature_;
+  CrossField field_;
+  TracingGraph graph_;
   SearchSurface surface_;  // as the lanes start from it
+  PathNetwork start_;
   std::deque<Lane> lanes_;
-  Lane* lane_ = nullptr;  // the best
+  Lane* lane_ = nullptr;  // the present one
   ComponentResult result_;
   Laps laps_;
 };

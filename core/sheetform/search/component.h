@@ -32,7 +32,9 @@ struct ComponentInput {
 
 struct ComponentParams {
   EvaluationParams evaluation;  ///< e_max is the promised tolerance here
-  std::vector<int> seeds{200};  ///< interior seeds of candidate paths, for a search each: the best goes on
+  /// Interior seeds of candidate paths, for a search each; all but the first only where those before miss the
+  /// tolerance by little.
+  std::vector<int> seeds{200};
   /// Tries of the local search, half of them above eight parts. 0: no other step either that takes long for a
   /// few parts less.
   int improvements = 20;

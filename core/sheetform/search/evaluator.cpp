@@ -433,15 +433,17 @@ std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(con
   return all;
 }
 
-std::shared_ptr<const PatchEvaluation> LayoutEvaluator::known(const Patch& patch) const {
-  if (charts_ == nullptr) return nullptr;
-  const std::lock_guard lock(charts_->mutex_);
-  const auto it = charts_->cache_.find(patch.key);
-  return it == charts_->cache_.end() ? nullptr : it->second;
+std::shared_ptr<const PatchEvaluation> LayoutEvaluator::cached(const Patch& patch) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = cache_.find(patch.key);
+  return it == cache_.end() ? nullptr : it->second;
 }
 
 std::shared_ptr<const PatchChart> LayoutEvaluator::chart(const PatchLayout& layout,
                                                          const Patch& patch) const {
+  for (const LayoutEvaluator* where : {this, static_cast<const LayoutEvaluator*>(charts_)})
+    if (const auto known = where == nullptr ? nullptr : where->cached(patch); known && known->chart)
+      return known->chart;
   ChartParams chart_params;
   if (!surface_.elimination_rank.empty()) chart_params.elimination_rank = &surface_.elimination_rank;
   return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, chart_params));
@@ -455,8 +457,8 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
     return e;
   }
-  const auto before = known(patch);
-  const auto chart = e->chart = before && before->chart ? before->chart : this->chart(layout, patch);
+  const auto before = charts_ == nullptr ? nullptr : charts_->cached(patch);
+  const auto chart = e->chart = this->chart(layout, patch);
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)
     if (samples[use.arch].empty())

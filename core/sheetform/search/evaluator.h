@@ -129,7 +129,8 @@ struct LayoutEvaluation {
   int failing = 0;  ///< patches that are not viable or exceed e_max
 };
 
-/// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch().
+/// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch() and
+/// chart().
 class LayoutEvaluator {
  public:
   /// `charts`: an evaluator of the same surface whose charts and corners are taken where it has them; may be
@@ -140,6 +141,8 @@ class LayoutEvaluator {
 
   const EvaluationParams& params() const { return params_; }
   std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
+  /// Its chart alone: as it was evaluated before, here or where charts are taken from, or made anew.
+  std::shared_ptr<const PatchChart> chart(const PatchLayout& layout, const Patch& patch) const;
   /// A patch that failed by a finer measure: not viable from now on.
   void reject(const Patch& patch);
   /// All patches, on all threads.
@@ -172,9 +175,8 @@ class LayoutEvaluator {
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  RulingParams ruling,
                                                  const std::function<bool(int, int)>* forbidden) const;
-  /// What the evaluator that charts are taken from has of the patch; may be null.
-  std::shared_ptr<const PatchEvaluation> known(const Patch& patch) const;
-  std::shared_ptr<const PatchChart> chart(const PatchLayout& layout, const Patch& patch) const;
+  /// What is known of the patch here; may be null.
+  std::shared_ptr<const PatchEvaluation> cached(const Patch& patch) const;
   const SearchSurface& surface_;
   EvaluationParams params_;
   RunContext& context_;

@@ -336,12 +336,16 @@ void LayoutSearch::have_places() {
   store(layout_, e);
 }
 
-// Parts first, then the length of the cuts.
-double LayoutSearch::objective() {
+double LayoutSearch::cut_length() {
   double length = 0;
   for (const Arch& a : layout().arches)
     if (a.left >= 0 && a.right >= 0) length += a.length;
-  return static_cast<double>(layout_.patches.size()) + 0.08 * length + kInsideCost * length_inside();
+  return length;
+}
+
+// Parts first, then the length of the cuts.
+double LayoutSearch::objective() {
+  return static_cast<double>(layout().patches.size()) + 0.08 * cut_length() + kInsideCost * length_inside();
 }
 
 }  // namespace sheetform

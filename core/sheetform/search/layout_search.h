@@ -69,6 +69,9 @@ class LayoutSearch {
   /// Keeps seams out of the regions of the surface where none is wanted: takes out what runs through, or
   /// cuts around instead, where every patch then fits.
   void clear_regions();
+  /// Two neighbours at a time, those with the longest seam first, are cut anew: straight in the chart of both
+  /// together, where that is shorter and every patch then fits. Returns how many were.
+  int shorten_seams();
   /// Number of patches plus a little for the length of the cuts, and much for what lies inside of the regions
   /// where none is wanted.
   double objective();
@@ -115,6 +118,7 @@ class LayoutSearch {
   double priority(const Path& path, int patch) const;
   bool try_straighten(int edge);
   void set_straight(const std::vector<int>& edges, bool straight);
+  bool fits_without(const std::vector<int>& edges, bool leaves_dart = false);
   bool try_remove(const std::vector<int>& edges, bool leaves_dart = false);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
@@ -133,6 +137,15 @@ class LayoutSearch {
   };
   Shape shape() const { return {surface_.mesh.points, surface_.versions}; }
   void take_shape(Shape shape);
+  /// All that a change may have to be undone to.
+  struct State {
+    EditableNetwork network;
+    PatchLayout layout;
+    ArchPlaces places;
+    Shape shape;
+  };
+  State state() { return {network_, layout(), places_, shape()}; }
+  void take(State state);
   void smooth(double cutoff);
   Shape smoothed(double cutoff);
   void move_to(const std::vector<int>& vertices, const Shape& shape);
@@ -191,6 +204,10 @@ class LayoutSearch {
   static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
+  bool shorten_seam(int patch, int other);
+  std::vector<Sharing> straight_ways(int patch, int other);
+  std::vector<int> seam_between(int patch, int other) const;
+  double cut_length();
   std::uint64_t neighbourhood_key(const Patch& patch) const;
   std::vector<int> smallest_first(const std::function<bool(const Patch&)>& asked_for);
   bool goes_on_across_plane(const Patch& patch) const;

@@ -36,13 +36,18 @@ std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
 
 }  // namespace
 
-bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
+// Whether what becomes of the patches beside these edges is viable alone. Thread-safe.
+bool LayoutSearch::fits_without(const std::vector<int>& edges, bool leaves_dart) {
   if (edges.empty() || (!leaves_dart && network_.leaves_loose_end(edges))) return false;
-  const std::vector<int> beside = patches_beside(edges), faces = faces_of(beside);
-  have_places();
   PathNetwork trial = network_.network();
   for (int e : edges) trial.edge_path[e] = PathNetwork::kFree;
-  if (!viable_region(trial, faces)) return false;
+  return viable_region(trial, faces_of(patches_beside(edges))).has_value();
+}
+
+bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
+  if (!fits_without(edges, leaves_dart)) return false;
+  const std::vector<int> faces = faces_of(patches_beside(edges));
+  have_places();
   std::vector<int> paths;
   for (int e : edges) paths.push_back(network_.network().edge_path[e]);
   PatchLayout before = std::move(layout_);
@@ -113,13 +118,22 @@ void LayoutSearch::know_lost() {
 void LayoutSearch::remove_paths() {
   know_lost();
   const int count = static_cast<int>(network_.network().kinds.size());
+  std::vector<int> paths;
+  for (int path = count - 1; path > 0; --path)
+    if (!is_held(network_.network().kinds[path])) paths.push_back(path);
   for (bool removed = true; removed;) {
     removed = false;
-    for (int path = count - 1; path > 0; --path) {
-      context_.report(Stage::kRemove, 0.4 * (count - path) / count);
-      const PathKind kind = network_.network().kinds[path];
-      if (is_held(kind)) continue;
-      removed |= try_remove(network_.edges_of_path(path));
+    int looked_at = 0;
+    for (int i = 0; i < static_cast<int>(paths.size()); ++i) {
+      context_.report(Stage::kRemove, 0.4 * (count - paths[i]) / count);
+      if (i == looked_at) {  // most do not fit: those after it are looked at by the threads that are at hand
+        const int n = std::min(threads_at_hand(context_), static_cast<int>(paths.size()) - i);
+        layout();
+        if (n > 1)
+          parallel_for(context_, n, [&](int k) { fits_without(network_.edges_of_path(paths[i + k])); });
+        looked_at += n;
+      }
+      removed |= try_remove(network_.edges_of_path(paths[i]));
     }
   }
 }

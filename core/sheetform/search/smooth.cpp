@@ -80,6 +80,12 @@ void LayoutSearch::take_shape(Shape shape) {
   changed();
 }
 
+void LayoutSearch::take(State state) {
+  take_shape(std::move(state.shape));
+  network_ = std::move(state.network), places_ = std::move(state.places);
+  layout_ = std::move(state.layout), layout_valid_ = true;
+}
+
 LayoutSearch::Shape LayoutSearch::smoothed(double cutoff) {
   Shape now = shape();
   smooth(cutoff);

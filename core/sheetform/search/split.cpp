@@ -421,6 +421,63 @@ std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& la
   return {};
 }
 
+// ---- straight lines
+// -------------------------------------------------------------------------------------
+
+constexpr int kMostEnds = 300;  // places of an outline that lines end at
+constexpr double kApart = 0.4;  // lines differ by so much of the longest at one end
+constexpr int kLookedAt = 10;   // stretches of a line whose ends have to lie inside of the chart
+
+double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+bool is_inside(const ChartCutter& cutter, const Vector2& u) {
+  bool inside = false;
+  for (int i = 0, n = cutter.places(); i < n; ++i) {
+    const Vector2 &a = cutter.uv(i), &b = cutter.uv((i + 1) % n);
+    if ((a.y() > u.y()) != (b.y() > u.y()))
+      inside ^= u.x() < a.x() + (b.x() - a.x()) * (u.y() - a.y()) / (b.y() - a.y());
+  }
+  return inside;
+}
+
+// Between two places of the outline.
+struct Line {
+  double length;
+  Vector2 from, to;
+  int a, b;
+
+  bool runs_inside(const ChartCutter& cutter) const {
+    for (int k = 1; k < kLookedAt; ++k)
+      if (!is_inside(cutter, from + (to - from) * k / kLookedAt)) return false;
+    return true;
+  }
+  bool is_near(const Line& other, double distance) const {
+    const auto near = [&](const Vector2& f, const Vector2& t) {
+      return std::max((from - f).norm(), (to - t).norm()) < distance;
+    };
+    return near(other.from, other.to) || near(other.to, other.from);
+  }
+};
+
+// Shorter than `most`, with this area on either side; the shortest first.
+std::vector<Line> short_lines(const ChartCutter& cutter, double most, double least_area) {
+  const int n = cutter.places(), step = (n + kMostEnds - 1) / kMostEnds;
+  std::vector<double> twice(n + 1, 0);  // the area that the outline up to each place goes around
+  for (int i = 0; i < n; ++i) twice[i + 1] = twice[i] + cross(cutter.uv(i), cutter.uv((i + 1) % n));
+  std::vector<Line> lines;
+  for (int a = 0; a < n; a += step)
+    for (int b = a + step; b < n; b += step) {
+      const Vector2 &from = cutter.uv(a), &to = cutter.uv(b);
+      const double length = (from - to).norm(), area = (twice[b] - twice[a] + cross(to, from)) / 2;
+      if (length < most && std::min(area, twice[n] / 2 - area) > least_area)
+        lines.push_back({length, from, to, a, b});
+    }
+  std::sort(lines.begin(), lines.end(), [](const Line& x, const Line& y) {
+    return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b);
+  });
+  return lines;
+}
+
 }  // namespace
 
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
@@ -458,6 +515,27 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
   if (evaluation.verdict == PatchVerdict::kTooManySides) wanted.line = between_corners(evaluation);
   if (wanted.line.empty()) wanted.line = across_longer_axis(*chart);
   return cutter.cut(wanted);
+}
+
+std::vector<StraightCut> straight_cuts(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
+                                       const PatchChart& chart, double most, double least_area, int count,
+                                       const std::vector<char>* keep_out) {
+  const ChartCutter cutter(mesh, layout, layout.patches[patch], chart, CutLength{mesh, keep_out});
+  std::vector<StraightCut> cuts;
+  std::vector<Line> taken;
+  for (const Line& line : short_lines(cutter, most, least_area)) {
+    if (static_cast<int>(cuts.size()) >= count) break;
+    if (std::any_of(taken.begin(), taken.end(),
+                    [&](const Line& t) { return t.is_near(line, kApart * most); }))
+      continue;
+    if (!line.runs_inside(cutter)) continue;
+    taken.push_back(line);
+    WantedCut wanted;
+    wanted.line = {line.from, line.to};
+    std::vector<int> edges = cutter.cut(wanted);
+    if (!edges.empty()) cuts.push_back({std::move(edges), line.length});
+  }
+  return cuts;
 }
 
 }  // namespace sheetform

@@ -1,4 +1,5 @@
-// Splitting one patch in two when no field-aligned path will do: the ladder of fallbacks that always ends.
+// Cuts through one patch: when no field-aligned path will do, a ladder of fallbacks that always ends, and
+// straight lines.
 #pragma once
 #include <vector>
 
@@ -16,5 +17,19 @@ namespace sheetform {
 /// keep_out: by edge, where a cut counts as much longer than it is; null = nowhere.
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
                              const PatchEvaluation& evaluation, const std::vector<char>* keep_out = nullptr);
+
+/// A cut that is straight in the chart, as mesh edges; length: of the line in the chart.
+struct StraightCut {
+  std::vector<int> edges;
+  double length;
+};
+
+/// Cuts through a patch from outline to outline that are shorter than `most` and leave at least this area on
+/// either side: the shortest first, each well apart from those before it, `count` at most. The patch must be
+/// a disk. Cost: O(n^2) for n vertices of the outline (every few of them where there are many), and a
+/// shortest-path search each.
+std::vector<StraightCut> straight_cuts(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
+                                       const PatchChart& chart, double most, double least_area, int count,
+                                       const std::vector<char>* keep_out = nullptr);
 
 }  // namespace sheetform
