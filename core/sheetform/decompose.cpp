@@ -103,26 +103,26 @@ std::vector<Vector3> carry_guide(const UserField& field, const TriangleSoup& sou
 struct Variant {
   Effort mesh;
   std::vector<int> seeds;
-  int improvements;
+  int improvements, improvements_of_many;
   std::uint64_t seed_offset;
 };
 
-const Variant kNormalVariant{Effort::kNormal, {60, 200}, 12, 0};
+const Variant kNormalVariant{Effort::kNormal, {60, 200}, 8, 0, 0};
 
 // The first variant of thorough is normal itself, so that thorough is never worse.
 std::vector<Variant> variants(Effort effort) {
   switch (effort) {
     case Effort::kDraft:
-      return {{Effort::kDraft, {60}, 0, 0}};
+      return {{Effort::kDraft, {60}, 0, 0, 0}};
     case Effort::kNormal:
       return {kNormalVariant};
     case Effort::kThorough:
       break;
   }
   return {kNormalVariant,
-          {Effort::kDraft, {60}, 300, 1},
-          {Effort::kNormal, {200}, 300, 2},
-          {Effort::kNormal, {400}, 300, 3}};
+          {Effort::kDraft, {60}, 300, 150, 1},
+          {Effort::kNormal, {200}, 300, 150, 2},
+          {Effort::kNormal, {400}, 300, 150, 3}};
 }
 
 // size: of the component, in diagonals of the input.
@@ -141,6 +141,7 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
   c.morph = params.morph;
   c.seeds = variant.seeds;
   c.improvements = variant.improvements;
+  c.improvements_of_many = variant.improvements_of_many;
   c.seed = params.seed + variant.seed_offset;
   return c;
 }
@@ -495,7 +496,7 @@ class Sweep {
     }
     // A way that ends without valid strips is not the only one.
     if (piece.best.size() < results.size())
-      run(piece, {Effort::kDraft, {60}, 0, 11}, false, part_of(context_, 0.95, 0.95), results);
+      run(piece, {Effort::kDraft, {60}, 0, 0, 11}, false, part_of(context_, 0.95, 0.95), results);
     while (piece.finished < results.size()) finish(piece, results, context_);
   }
 

@@ -300,7 +300,12 @@ class ComponentRun {
 
   void improve(LayoutSearch& search) const {
     if (!params_.evaluation.t_junctions) return;
-    search.improve(tries(search), params_.seed);
+    if (!quick()) {
+      search.share_out_small();
+      search.shorten_seams();
+      search.leave_darts();
+      search.improve(tries(search), params_.seed);
+    }
     search.clear_regions();
     if (quick()) return search.smooth_what_allows();
     search.share_out_small();
@@ -313,10 +318,11 @@ class ComponentRun {
 
   bool quick() const { return params_.improvements == 0; }
 
-  // Few parts are soon tried out, and one cannot become fewer; among many a try wins less.
+  // Few parts are soon tried out, and one cannot become fewer.
   int tries(LayoutSearch& search) const {
     const int parts = static_cast<int>(search.layout().patches.size());
-    return std::min(parts > kFewParts ? params_.improvements / 2 : params_.improvements, 6 * (parts - 1));
+    const int wanted = parts > kFewParts ? params_.improvements_of_many : params_.improvements;
+    return std::min(wanted, 6 * (parts - 1));
   }
 
   static std::vector<std::uint64_t> keys_of(const PatchLayout& layout, const std::vector<int>& patches) {

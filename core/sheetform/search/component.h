@@ -35,9 +35,10 @@ struct ComponentParams {
   /// Interior seeds of candidate paths, for a search each; all but the first only where those before miss the
   /// tolerance by little.
   std::vector<int> seeds{200};
-  /// Tries of the local search, half of them above eight parts. 0: no other step either that takes long for a
-  /// few parts less.
+  /// Tries of the local search with up to eight parts. 0: no other step either that takes long for a few
+  /// parts less.
   int improvements = 20;
+  int improvements_of_many = 10;          ///< the same with more parts, where a try wins less
   double fine_spacing = 0.015;            ///< outline samples of the result
   SpacingBounds spacing;                  ///< of the outline points of the result
   double margin = 0.97;                   ///< the search aims at this share of e_max

@@ -247,7 +247,8 @@ bool LayoutSearch::helps(const Sharing& way) {
   };
   const PatchLayout before = region(network_.network()), after = region(trial.network());
   if (after.patches.size() > before.patches.size() || lacks(after) > lacks(before) - kGain) return false;
-  return viable_region(trial.network(), way.faces, nullptr, true).has_value();
+  std::vector<int> hopeless;
+  return viable_region(trial.network(), way.faces, &hopeless).has_value();
 }
 
 bool LayoutSearch::try_ways(const std::vector<Sharing>& all, double slack) {

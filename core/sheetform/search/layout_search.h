@@ -122,9 +122,10 @@ class LayoutSearch {
   bool try_remove(const std::vector<int>& edges, bool leaves_dart = false);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
-  /// excess: where the region is one patch that is too far off, its error relative to e_max.
+  /// hopeless: where the faces of a patch are told that turns out to be far too far off; given, patches that
+  /// are too round, or cover what is known to be hopeless, are refused unseen.
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
-                                         double* excess = nullptr, bool look_first = false);
+                                         std::vector<int>* hopeless = nullptr);
   bool region_fits(const std::vector<int>& faces, double slack = 1);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
@@ -205,6 +206,7 @@ class LayoutSearch {
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
   bool shorten_seam(int patch, int other);
+  bool try_shorter(const Sharing& way);
   std::vector<Sharing> straight_ways(int patch, int other);
   std::vector<int> seam_between(int patch, int other) const;
   double cut_length();
@@ -230,7 +232,8 @@ class LayoutSearch {
   std::vector<int> with_loose_ends(const PathNetwork& net, std::vector<int> edges, int tip = -1) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges, int most);
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
-  bool covers_hopeless(const std::vector<int>& patches) const;
+  bool covers_hopeless(const std::function<bool(int)>& has) const;
+  void remember_hopeless(std::vector<std::vector<int>> found);
   bool too_round(const std::vector<int>& beside, double inner_length) const;
   bool too_round(const PatchLayout& layout, const Patch& patch) const;
   bool too_round(double area, double outline, double gauss) const;
@@ -261,9 +264,10 @@ class LayoutSearch {
   std::unordered_map<std::uint64_t, double>
       merge_values_;  ///< by arch and patches beside it; negative = not viable
   using Faces = std::shared_ptr<const std::vector<int>>;
-  std::vector<Faces> hopeless_;                 ///< what is far from being one patch; not after smoothing
-  std::unordered_set<std::uint64_t> unshared_;  ///< small patches that could not be shared out, by key
-  std::unordered_set<std::uint64_t> ungrown_;   ///< slight patches that could not grow, by key
+  std::vector<Faces> hopeless_;                    ///< what is far from being one patch; not after smoothing
+  std::unordered_set<std::uint64_t> unshared_;     ///< small patches that could not be shared out, by key
+  std::unordered_set<std::uint64_t> unshortened_;  ///< pairs whose seams could not be shortened, by key
+  std::unordered_set<std::uint64_t> ungrown_;      ///< slight patches that could not grow, by key
   std::unordered_map<std::uint64_t, double> strip_share_;  ///< of a patch's area that its strips have, by key
   ArchPlaces places_;                                      ///< after the last morphs
   std::unordered_set<std::uint64_t>

@@ -26,9 +26,6 @@ constexpr double kInsideValue = 100;
 // arches, for 1 % more parts.
 constexpr double kFlow = 12;
 constexpr int kLeastHalved = 4;  // edges
-// Multiple of the tolerance from which what two patches would become is taken for hopeless, and with it all
-// that they are part of later: right in half of the merges that fail, wrong in 2 % of those that would do.
-constexpr double kHopeless = 1.1;
 
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
@@ -210,16 +207,6 @@ bool LayoutSearch::too_round(double area, double outline, double gauss) const {
   return std::sqrt(gauss / area) * width * width > kTooRound * params_.evaluation.e_max;
 }
 
-// Whether these patches together have all faces of something that was far from being one patch.
-bool LayoutSearch::covers_hopeless(const std::vector<int>& patches) const {
-  const auto has = [&](int face) {
-    return std::find(patches.begin(), patches.end(), layout_.face_patch[face]) != patches.end();
-  };
-  return std::any_of(hopeless_.begin(), hopeless_.end(), [&](const Faces& faces) {
-    return has(faces->front()) && has(faces->back()) && std::all_of(faces->begin(), faces->end(), has);
-  });
-}
-
 // What the removal of an arch is worth: the length and parts that go, less where the tolerance is nearly used
 // up or many sides result. Negative when it is not viable; where that is hopeless, the faces of it are told.
 // Thread-safe.
@@ -232,11 +219,11 @@ double LayoutSearch::merge_value(const Removal& removal, std::vector<int>& hopel
   const std::vector<int> beside = patches_beside(edges);
   if (!removal.leaves_dart && too_round(beside, length)) return -1;
   if (too_many_corners(beside, edges, removal.leaves_dart ? kMostTurnsOfDart : kMostTurns)) return -1;
-  if (!removal.leaves_dart && covers_hopeless(beside)) return -1;
-  std::vector<int> faces = faces_of(beside);
-  double excess = 0;
-  const auto fit = viable_region(trial, faces, &excess);
-  if (!fit && !removal.leaves_dart && excess > kHopeless) hopeless = std::move(faces);
+  const auto has = [&](int face) {
+    return std::find(beside.begin(), beside.end(), layout_.face_patch[face]) != beside.end();
+  };
+  if (!removal.leaves_dart && covers_hopeless(has)) return -1;
+  const auto fit = viable_region(trial, faces_of(beside), removal.leaves_dart ? nullptr : &hopeless);
   if (!fit) return -1;
   const double side_factor = fit->sides <= 4 ? 1.0 : fit->sides == 5 ? 0.6 : 0.35;
   const double parts = static_cast<double>(beside.size()) - fit->patches;
@@ -292,8 +279,7 @@ bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
   std::vector<std::vector<int>> hopeless(fresh.size());
   parallel_for(context_, static_cast<int>(fresh.size()),
                [&](int i) { values[fresh[i]] = merge_value(all[fresh[i]], hopeless[i]); });
-  for (std::vector<int>& faces : hopeless)
-    if (!faces.empty()) hopeless_.push_back(std::make_shared<const std::vector<int>>(std::move(faces)));
+  remember_hopeless(std::move(hopeless));
   std::vector<std::tuple<double, std::uint64_t, int>> order;
   for (int r = 0; r < static_cast<int>(all.size()); ++r) {
     const auto it = merge_values_.emplace(all[r].key, values[r]).first;

@@ -168,12 +168,14 @@ void LayoutSearch::smooth_cuts(const std::vector<int>& edges) {
 bool LayoutSearch::share_out(int patch) {
   const std::vector<Sharing> all = sharings(patch);
   std::vector<char> viable(all.size(), 0);
+  std::vector<std::vector<int>> hopeless(all.size());
   parallel_for(context_, static_cast<int>(all.size()), [&](int i) {
     EditableNetwork trial = network_;
     apply(all[i], trial);
-    const auto fit = viable_region(trial.network(), all[i].faces, nullptr, true);
+    const auto fit = viable_region(trial.network(), all[i].faces, &hopeless[i]);
     viable[i] = fit && fit->patches < all[i].patches;
   });
+  remember_hopeless(std::move(hopeless));
   for (std::size_t i = 0; i < all.size(); ++i)
     if (viable[i] && try_sharing(all[i])) return true;
   return false;

@@ -1,5 +1,6 @@
 // The part of the search that cuts two neighbours anew, with a shorter seam between them.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <tuple>
 #include <utility>
@@ -10,8 +11,9 @@
 namespace sheetform {
 namespace {
 
-constexpr int kMostWays = 10;         // of one seam that are tried
+constexpr int kMostWays = 16;         // of one seam that are tried
 constexpr double kShorter = 0.97;     // of the seam that a line may be long
+constexpr std::size_t kAtOnce = 4;    // that are looked at side by side, whatever the number of threads
 constexpr double kLeastGain = 0.02;   // of the seam: what has to be won when the cut has been smoothed
 constexpr double kLeastShare = 0.15;  // of the smaller patch that stays on either side
 
@@ -57,26 +59,35 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int ot
   return ways;
 }
 
-// Kept where the cut is shorter still when it has been smoothed.
+// The shortest that is viable, and shorter still when it has been smoothed.
 bool LayoutSearch::shorten_seam(int patch, int other) {
   const std::vector<Sharing> ways = straight_ways(patch, other);
-  std::vector<char> viable(ways.size(), 0);
-  parallel_for(context_, static_cast<int>(ways.size()), [&](int i) {
-    EditableNetwork trial = network_;
-    apply(ways[i], trial);
-    const auto fit = viable_region(trial.network(), ways[i].faces, nullptr, true);
-    viable[i] = fit && fit->patches <= ways[i].patches;
-  });
-  const double before = cut_length();
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (!viable[i]) continue;
-    State as_it_was = state();
-    double seam = 0;
-    for (int e : ways[i].gone) seam += surface_.mesh.edge_length(e);
-    if (!try_sharing(ways[i])) continue;
-    if (cut_length() < before - kLeastGain * seam) return true;
-    take(std::move(as_it_was));
+  for (std::size_t first = 0; first < ways.size(); first += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, ways.size() - first);
+    std::array<char, kAtOnce> viable{};
+    std::vector<std::vector<int>> hopeless(n);
+    parallel_for(context_, static_cast<int>(n), [&](int i) {
+      const Sharing& way = ways[first + i];
+      EditableNetwork trial = network_;
+      apply(way, trial);
+      const auto fit = viable_region(trial.network(), way.faces, &hopeless[i]);
+      viable[i] = fit && fit->patches <= way.patches;
+    });
+    remember_hopeless(std::move(hopeless));
+    for (std::size_t i = 0; i < n; ++i)
+      if (viable[i] && try_shorter(ways[first + i])) return true;
   }
+  return false;
+}
+
+bool LayoutSearch::try_shorter(const Sharing& way) {
+  State as_it_was = state();
+  double seam = 0;
+  for (int e : way.gone) seam += surface_.mesh.edge_length(e);
+  const double before = cut_length();
+  if (!try_sharing(way)) return false;
+  if (cut_length() < before - kLeastGain * seam) return true;
+  take(std::move(as_it_was));
   return false;
 }
 
@@ -92,7 +103,10 @@ int LayoutSearch::shorten_seams() {
   for (const auto& [seam, face, beyond] : pairs) {
     context_.report(Stage::kRemove, 1);
     const int patch = layout().face_patch[face], other = layout_.face_patch[beyond];
-    if (patch != other) done += shorten_seam(patch, other);
+    if (patch == other) continue;
+    // What lies beside them matters too, but hardly ever.
+    if (!unshortened_.insert(layout_.patches[patch].key + layout_.patches[other].key).second) continue;
+    done += shorten_seam(patch, other);
   }
   return done;
 }
