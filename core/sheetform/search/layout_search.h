@@ -205,9 +205,17 @@ class LayoutSearch {
   static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
   bool share_out(int patch);
-  bool shorten_seam(int patch, int other);
+  /// Two neighbours: a face of each, both keys when shorter seams were looked for, and these.
+  struct Pair {
+    int face, beyond;
+    std::uint64_t key;
+    std::vector<Sharing> ways;
+  };
+  std::vector<Pair> pairs_by_seam();
+  std::uint64_t key_of(const Pair& pair) const;
+  bool try_shortest(const std::vector<Sharing>& ways);
   bool try_shorter(const Sharing& way);
-  std::vector<Sharing> straight_ways(int patch, int other);
+  std::vector<Sharing> straight_ways(int patch, int other) const;
   std::vector<int> seam_between(int patch, int other) const;
   double cut_length();
   std::uint64_t neighbourhood_key(const Patch& patch) const;

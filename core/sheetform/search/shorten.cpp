@@ -42,7 +42,7 @@ std::vector<int> LayoutSearch::seam_between(int patch, int other) const {
 }
 
 // Shorter seams of two neighbours, straight in the chart of both together, the shortest first.
-std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int other) {
+std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int other) const {
   std::vector<Sharing> ways;
   const std::vector<int> seam = seam_between(patch, other), faces = faces_of({patch, other});
   if (seam.empty()) return ways;
@@ -60,8 +60,7 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int ot
 }
 
 // The shortest that is viable, and shorter still when it has been smoothed.
-bool LayoutSearch::shorten_seam(int patch, int other) {
-  const std::vector<Sharing> ways = straight_ways(patch, other);
+bool LayoutSearch::try_shortest(const std::vector<Sharing>& ways) {
   for (std::size_t first = 0; first < ways.size(); first += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, ways.size() - first);
     std::array<char, kAtOnce> viable{};
@@ -91,22 +90,47 @@ bool LayoutSearch::try_shorter(const Sharing& way) {
   return false;
 }
 
-int LayoutSearch::shorten_seams() {
-  know_lost();
-  std::vector<std::tuple<double, int, int>> pairs;  // a face of each
-  const auto face_of = [&](int p) { return layout_.patches[p].faces.front(); };
+std::vector<LayoutSearch::Pair> LayoutSearch::pairs_by_seam() {
+  std::vector<std::tuple<double, int, int>> order;
   for (int p = 0; p < static_cast<int>(layout().patches.size()); ++p)
     for (const Taker& t : takers_of(p))
-      if (t.patch > p) pairs.emplace_back(-t.seam, face_of(p), face_of(t.patch));
-  std::sort(pairs.begin(), pairs.end());
+      if (t.patch > p) order.emplace_back(-t.seam, p, t.patch);
+  std::sort(order.begin(), order.end());
+  std::vector<Pair> pairs;
+  const auto face_of = [&](int p) { return layout_.patches[p].faces.front(); };
+  for (const auto& [seam, p, q] : order) pairs.push_back({face_of(p), face_of(q), 0, {}});
+  return pairs;
+}
+
+std::uint64_t LayoutSearch::key_of(const Pair& pair) const {
+  const int p = layout_.face_patch[pair.face], q = layout_.face_patch[pair.beyond];
+  return p == q ? 0 : layout_.patches[p].key + layout_.patches[q].key;
+}
+
+// Ways are looked for ahead, a pair on each thread; where another seam has changed until then, again.
+int LayoutSearch::shorten_seams() {
+  know_lost();
+  std::vector<Pair> pairs = pairs_by_seam();
   int done = 0;
-  for (const auto& [seam, face, beyond] : pairs) {
+  std::size_t looked_at = 0;
+  const auto look_at = [&](Pair& pair) {
+    pair.key = key_of(pair);
+    if (pair.key != 0 && unshortened_.count(pair.key) == 0)
+      pair.ways = straight_ways(layout_.face_patch[pair.face], layout_.face_patch[pair.beyond]);
+  };
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
     context_.report(Stage::kRemove, 1);
-    const int patch = layout().face_patch[face], other = layout_.face_patch[beyond];
-    if (patch == other) continue;
+    layout();
+    if (i == looked_at) {
+      const std::size_t n = std::min<std::size_t>(threads_at_hand(context_), pairs.size() - i);
+      parallel_for(context_, static_cast<int>(n), [&](int k) { look_at(pairs[i + k]); });
+      looked_at += n;
+    }
+    Pair& pair = pairs[i];
+    if (pair.key != key_of(pair)) pair.ways.clear(), look_at(pair);
     // What lies beside them matters too, but hardly ever.
-    if (!unshortened_.insert(layout_.patches[patch].key + layout_.patches[other].key).second) continue;
-    done += shorten_seam(patch, other);
+    if (pair.key != 0 && unshortened_.insert(pair.key).second) done += try_shortest(pair.ways);
+    pair.ways.clear();
   }
   return done;
 }

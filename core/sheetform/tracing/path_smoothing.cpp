@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <tuple>
 #include <utility>
 
@@ -108,6 +109,15 @@ void relax(SurfaceMesh& mesh, const Region& region, std::size_t first) {
   }
 }
 
+// In groups that are worth a thread.
+void side_by_side(const RunContext& context, std::size_t n, const std::function<void(std::size_t)>& fn) {
+  constexpr std::size_t kGroup = 250;
+  parallel_for(context, static_cast<int>((n + kGroup - 1) / kGroup), [&](int group) {
+    const std::size_t end = std::min(n, (group + 1) * kGroup);
+    for (std::size_t i = group * kGroup; i < end; ++i) fn(i);
+  });
+}
+
 // One call of smooth_paths, on a mesh that is at rest.
 class Smoother {
  public:
@@ -122,12 +132,12 @@ class Smoother {
         region_(mesh) {}
 
   void run(const RunContext& context) {
-    find_goals();
+    find_goals(context);
     if (goals_.empty()) return;
     add_around();
     remember_faces();
     move(context);
-    make_room();
+    make_room(context);
     repair();
   }
 
@@ -158,7 +168,7 @@ class Smoother {
   }
 
   // Where path vertices should go, on the surface. Those that are near enough at rest are left out.
-  void find_goals() {
+  void find_goals(const RunContext& context) {
     Region all(mesh_);
     std::vector<PathStencil> stencils;
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
@@ -169,12 +179,15 @@ class Smoother {
     if (stencils.empty()) return;
     const double anchor = std::pow(1 - std::cos(2 * kPi / params_.cutoff_edges), 2);
     const Points places = fair_paths(mesh_.points, all.movable, all.slot, all.normal, stencils, anchor);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const Vector3 wanted = params_.allowed ? params_.allowed(all.start[i], places[i]) : places[i];
-      const Vector3 goal = projected(wanted, all.start[i]);
-      if ((goal - all.start[i]).norm() < params_.min_move * edge_) continue;
+    Points goals(places.size());
+    side_by_side(context, places.size(), [&](std::size_t i) {
+      goals[i] =
+          projected(params_.allowed ? params_.allowed(all.start[i], places[i]) : places[i], all.start[i]);
+    });
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      if ((goals[i] - all.start[i]).norm() < params_.min_move * edge_) continue;
       region_.add(mesh_, all.movable[i]);
-      goals_.push_back(goal);
+      goals_.push_back(goals[i]);
     }
   }
 
@@ -211,22 +224,23 @@ class Smoother {
         mesh_.points[region_.movable[i]] = region_.start[i] + part * (goals_[i] - region_.start[i]);
       for (int i = 0; i < params_.relax_steps; ++i) relax(mesh_, region_, goals_.size());
     }
-    project_around();
+    project_around(context);
   }
 
-  void project_around() {
-    for (std::size_t i = goals_.size(); i < region_.movable.size(); ++i) {
-      Vector3& p = mesh_.points[region_.movable[i]];
-      p = projected(p, region_.start[i]);
-    }
+  void project_around(const RunContext& context) {
+    const std::size_t first = goals_.size();
+    side_by_side(context, region_.movable.size() - first, [&](std::size_t i) {
+      Vector3& p = mesh_.points[region_.movable[first + i]];
+      p = projected(p, region_.start[first + i]);
+    });
   }
 
   // Bad faces often only need more room: the vertices around give way once more before path vertices go back.
-  void make_room() {
+  void make_room(const RunContext& context) {
     constexpr int kSteps = 10;
     if (std::none_of(before_.begin(), before_.end(), [&](const FaceState& s) { return is_bad(s); })) return;
     for (int i = 0; i < kSteps; ++i) relax(mesh_, region_, goals_.size());
-    project_around();
+    project_around(context);
   }
 
   bool is_bad(const FaceState& state) const {
