@@ -214,7 +214,7 @@ class ComponentRun {
 
   // From the bare network to the strips; what is shared counts for the first tolerance. Chance decides what
   // greedy steps end in: where a search misses the tolerance by little, or has no valid strips, the next may
-  // do.
+  // do. Without T-junctions few steps can make good what chance did: all are run.
   ComponentResult solve() {
     ComponentResult best;
     for (std::size_t k = 0; k < params_.seeds.size(); ++k) {
@@ -226,7 +226,8 @@ class ComponentRun {
       if (best.strips.patches.empty() || rank_of(result_) < rank_of(best)) std::swap(best, result_);
       best.counts += std::exchange(result_, {}).counts;
       best.counts += search.evaluator().counts();
-      if (!best.strips.patches.empty() && (best.miss <= 1 || best.miss > kHopeless)) break;
+      const bool met = params_.evaluation.t_junctions && best.miss <= 1;
+      if (!best.strips.patches.empty() && (met || best.miss > kHopeless)) break;
     }
     if (best.strips.patches.empty())
       throw Error(ErrorCode::kInternal, "no valid strips were found for a component");

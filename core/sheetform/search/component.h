@@ -33,7 +33,7 @@ struct ComponentInput {
 struct ComponentParams {
   EvaluationParams evaluation;  ///< e_max is the promised tolerance here
   /// Interior seeds of candidate paths, for a search each; all but the first only where those before miss the
-  /// tolerance by little.
+  /// tolerance by little, or without T-junctions.
   std::vector<int> seeds{200};
   /// Tries of the local search with up to eight parts. 0: no other step either that takes long for a few
   /// parts less.

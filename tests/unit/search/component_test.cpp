@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "sheetform/search/fair_outlines.h"
@@ -93,6 +94,20 @@ TEST(DecomposeComponent, SearchesAgainOnlyWhereTheToleranceIsMissed) {
   EXPECT_EQ(first.strips.points, good.strips.points);
   EXPECT_EQ(second.strips.points, good.strips.points);
   EXPECT_EQ(second.miss, good.miss);
+}
+
+TEST(DecomposeComponent, WithoutTJunctionsTheBestOfItsSearchesCounts) {
+  const ComponentInput input = input_of(shapes::saddle(24, 0.8));
+  std::map<int, std::size_t> parts;  // by seeds; 0: both
+  for (int seeds : {60, 12, 0}) {
+    ComponentParams params = params_of(0.02);
+    params.improvements = 0;
+    params.evaluation.t_junctions = false;
+    params.seeds = seeds == 0 ? std::vector<int>{60, 12} : std::vector<int>{seeds};
+    RunContext context;
+    parts[seeds] = decompose_component(input, params, context).strips.patches.size();
+  }
+  EXPECT_EQ(parts[0], std::min(parts[60], parts[12]));
 }
 
 TEST(FinalPass, ChordsAreEdgesOfTheirOwn) {
