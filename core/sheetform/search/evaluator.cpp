@@ -152,6 +152,8 @@ void chord_samples(const ChartRaster& raster, double area, PatchEvaluation& e) {
     s.slide = t == 0 || t == 1 ? kOutlineSlide : 1;
     e.samples.push_back(s);
   };
+  e.samples.reserve(e.rulings.chords.size() * kChordSamples + e.polygon.uv.size() +
+                    e.chart->vertices.size());  // coverage follows
   for (const auto& chord : e.rulings.chords)
     for (int k = 0; k < kChordSamples; ++k) {
       const double share = (k == 0 || k == kChordSamples - 1 ? 0.5 : 1.0) / (kChordSamples - 1);
@@ -562,6 +564,9 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
       }
       unknowns.add(use.arch, free, held);
     }
+  std::size_t most = also.size();
+  for (const auto& e : out.patches) most += e->samples.size();
+  problem.samples.reserve(most);
   for (int p = 0; p < n; ++p) {
     const PatchEvaluation& e = *out.patches[p];
     auto& ids = out.unknowns[p];

@@ -336,18 +336,27 @@ void LayoutSearch::remember_hopeless(std::vector<std::vector<int>> found) {
     if (!faces.empty()) hopeless_.push_back(std::make_shared<const std::vector<int>>(std::move(faces)));
 }
 
-// After the network has changed over these faces: morphs the new patches with their neighbours, the rest
-// held; true when all of them have strips that stay within e_max, but for those that had none before.
-bool LayoutSearch::region_fits(const std::vector<int>& faces, double slack) {
-  const PathNetwork& network = network_.network();
-  const PatchLayout region = extract_region(surface_.mesh, network, surface_.versions, rules_,
-                                            with_neighbours(surface_.mesh, network, faces));
-  const LayoutEvaluation e = evaluator_->solve_region(region, places_, params_.lawson_rounds);
-  if (e.max_error > slack * params_.evaluation.e_max) return false;
+// Where a network is another one over these faces: morphs the new patches with their neighbours, the rest
+// held; nothing where one of them has no strips that stay within e_max, but for those that had none before.
+// Thread-safe.
+std::optional<LayoutSearch::Fitted> LayoutSearch::fitted(const PathNetwork& network,
+                                                         const std::vector<int>& faces, double slack) {
+  Fitted fit;
+  fit.layout = extract_region(surface_.mesh, network, surface_.versions, rules_,
+                              with_neighbours(surface_.mesh, network, faces));
+  fit.evaluation = evaluator_->solve_region(fit.layout, places_, params_.lawson_rounds);
+  const LayoutEvaluation& e = fit.evaluation;
+  if (e.max_error > slack * params_.evaluation.e_max) return std::nullopt;
   for (std::size_t p = 0; p < e.patches.size(); ++p)
-    if (!e.patches[p]->has_valid_strips() && lost_.count(region.patches[p].key) == 0) return false;
-  store(region, e);
-  return true;
+    if (!e.patches[p]->has_valid_strips() && lost_.count(fit.layout.patches[p].key) == 0) return std::nullopt;
+  return fit;
+}
+
+// The same of the network as it is now; the places are stored.
+bool LayoutSearch::region_fits(const std::vector<int>& faces, double slack) {
+  const std::optional<Fitted> fit = fitted(network_.network(), faces, slack);
+  if (fit) store(fit->layout, fit->evaluation);
+  return fit.has_value();
 }
 
 void LayoutSearch::store(const PatchLayout& layout, const LayoutEvaluation& e) {

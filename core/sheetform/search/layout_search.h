@@ -126,7 +126,20 @@ class LayoutSearch {
   /// are too round, or cover what is known to be hopeless, are refused unseen.
   std::optional<RegionFit> viable_region(const PathNetwork& trial, const std::vector<int>& faces,
                                          std::vector<int>* hopeless = nullptr);
+  /// Patches and their neighbours, which stay within e_max after a morph with the rest held.
+  struct Fitted {
+    PatchLayout layout;
+    LayoutEvaluation evaluation;
+  };
+  std::optional<Fitted> fitted(const PathNetwork& network, const std::vector<int>& faces, double slack = 1);
   bool region_fits(const std::vector<int>& faces, double slack = 1);
+  /// The network without some edges, and what fits then.
+  struct Removed {
+    EditableNetwork network;
+    Fitted fit;
+  };
+  std::optional<Removed> network_without(const std::vector<int>& edges);
+  void take(Removed left);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
   /// Remembers which patches have no strips as they are.
@@ -226,13 +239,9 @@ class LayoutSearch {
   struct Walk {
     std::vector<int> vertices, edges;
   };
-  /// Edges, and the path that each was part of.
-  struct Relabelled {
-    std::vector<int> edges, path;
-  };
-  Walk arch_from(int v, int edge) const;
+  Walk arch_from(const PathNetwork& net, int v, int edge) const;
   Vector3 direction_of(const Walk& arch) const;
-  std::vector<Relabelled> join_straight(const std::vector<int>& removed);
+  bool join_straight(const std::vector<int>& removed, EditableNetwork& network) const;
   int combinatorial_corners(const Patch& patch) const;
   std::vector<int> with_loose_ends(std::vector<int> edges, int tip = -1) const {
     return with_loose_ends(network_.network(), std::move(edges), tip);

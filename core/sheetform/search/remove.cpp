@@ -41,29 +41,40 @@ bool LayoutSearch::fits_without(const std::vector<int>& edges, bool leaves_dart)
   return viable_region(trial, faces_of(patches_beside(edges))).has_value();
 }
 
+// The network without these edges, where the patches around fit then: with what is left joined where it goes
+// on straight, or as it is. Thread-safe.
+std::optional<LayoutSearch::Removed> LayoutSearch::network_without(const std::vector<int>& edges) {
+  const std::vector<int> faces = faces_of(patches_beside(edges));
+  Removed left{network_, {}};
+  left.network.remove_edges(edges);
+  EditableNetwork apart = left.network;
+  const bool joined = join_straight(edges, left.network);
+  std::optional<Fitted> fit = fitted(left.network.network(), faces);
+  if (!fit && joined) {
+    left.network = std::move(apart);
+    fit = fitted(left.network.network(), faces);
+  }
+  if (!fit) return std::nullopt;
+  left.fit = std::move(*fit);
+  return left;
+}
+
+void LayoutSearch::take(Removed left) {
+  network_ = std::move(left.network);
+  changed();
+  store(left.fit.layout, left.fit.evaluation);
+}
+
 bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
   if (!fits_without(edges, leaves_dart)) return false;
-  const std::vector<int> faces = faces_of(patches_beside(edges));
   have_places();
-  std::vector<int> paths;
-  for (int e : edges) paths.push_back(network_.network().edge_path[e]);
-  PatchLayout before = std::move(layout_);
-  network_.remove_edges(edges);
-  changed();
-  const std::vector<Relabelled> joined = join_straight(edges);
-  if (region_fits(faces)) return true;
-  for (auto arch = joined.rbegin(); arch != joined.rend(); ++arch)
-    network_.restore_edges(arch->edges, arch->path);
-  if (!joined.empty() && region_fits(faces)) return true;
-  network_.restore_edges(edges, paths);
-  layout_ = std::move(before);
-  layout_valid_ = true;
-  return false;
+  std::optional<Removed> left = network_without(edges);
+  if (left) take(std::move(*left));
+  return left.has_value();
 }
 
 // The arch that leaves vertex v over this edge, as far as its next node.
-LayoutSearch::Walk LayoutSearch::arch_from(int v, int edge) const {
-  const PathNetwork& net = network_.network();
+LayoutSearch::Walk LayoutSearch::arch_from(const PathNetwork& net, int v, int edge) const {
   Walk walk{{v}, {}};
   while (edge >= 0) {
     walk.edges.push_back(edge);
@@ -79,10 +90,10 @@ LayoutSearch::Walk LayoutSearch::arch_from(int v, int edge) const {
 }
 
 // Where only two arches are left at a vertex and go on within 50 degrees, they become one path: no node, no
-// corner. What was changed to that end, in order.
-std::vector<LayoutSearch::Relabelled> LayoutSearch::join_straight(const std::vector<int>& removed) {
-  const PathNetwork& net = network_.network();
-  std::vector<Relabelled> changes;
+// corner. Whether there are any.
+bool LayoutSearch::join_straight(const std::vector<int>& removed, EditableNetwork& network) const {
+  const PathNetwork& net = network.network();
+  bool joined = false;
   for (int e : removed)
     for (int v : {surface_.mesh.edges[e].v0, surface_.mesh.edges[e].v1}) {
       std::vector<int> at;
@@ -91,12 +102,12 @@ std::vector<LayoutSearch::Relabelled> LayoutSearch::join_straight(const std::vec
       if (at.size() != 2 || net.edge_path[at[0]] == net.edge_path[at[1]]) continue;
       const auto movable = [&](int edge) { return !is_held(net.kinds[net.edge_path[edge]]); };
       if (!movable(at[0]) || !movable(at[1])) continue;
-      const Walk one = arch_from(v, at[0]), other = arch_from(v, at[1]);
+      const Walk one = arch_from(net, v, at[0]), other = arch_from(net, v, at[1]);
       if (direction_of(one).dot(direction_of(other)) > -std::cos(50 * 3.14159265358979 / 180)) continue;
-      changes.push_back({other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[1]])});
-      network_.restore_edges(other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[0]]));
+      network.restore_edges(other.edges, std::vector<int>(other.edges.size(), net.edge_path[at[0]]));
+      joined = true;
     }
-  return changes;
+  return joined;
 }
 
 // Where an arch sets out to, over a few edges.
@@ -118,19 +129,23 @@ void LayoutSearch::remove_paths() {
   std::vector<int> paths;
   for (int path = count - 1; path > 0; --path)
     if (!is_held(network_.network().kinds[path])) paths.push_back(path);
+  const int n = static_cast<int>(paths.size());
   for (bool removed = true; removed;) {
     removed = false;
-    int looked_at = 0;
-    for (int i = 0; i < static_cast<int>(paths.size()); ++i) {
+    for (int i = 0; i < n;) {
       context_.report(Stage::kRemove, 0.4 * (count - paths[i]) / count);
-      if (i == looked_at) {  // most do not fit: those after it are looked at by the threads that are at hand
-        const int n = std::min(threads_at_hand(context_), static_cast<int>(paths.size()) - i);
-        layout();
-        if (n > 1)
-          parallel_for(context_, n, [&](int k) { fits_without(network_.edges_of_path(paths[i + k])); });
-        looked_at += n;
-      }
-      removed |= try_remove(network_.edges_of_path(paths[i]));
+      // Most do not fit: as many are tried side by side as there are threads, and the first that goes counts.
+      std::vector<std::optional<Removed>> left(std::min(threads_at_hand(context_), n - i));
+      layout(), have_places();
+      parallel_for(context_, static_cast<int>(left.size()), [&](int k) {
+        const std::vector<int> edges = network_.edges_of_path(paths[i + k]);
+        if (fits_without(edges)) left[k] = network_without(edges);
+      });
+      const auto goes = std::find_if(left.begin(), left.end(), [](const auto& l) { return l.has_value(); });
+      i += static_cast<int>(goes - left.begin());
+      if (goes == left.end()) continue;
+      take(std::move(**goes));
+      removed = true, ++i;
     }
   }
 }
