@@ -34,8 +34,8 @@ struct RunContext {
 /// on.
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn);
 
-/// How many threads a parallel_for called now would use: what is worth while only beside something else can be
-/// left out where it is one.
+/// How many threads a parallel_for called now would use: what is worth while only beside something else can
+/// be left out where it is one.
 int threads_at_hand(const RunContext& context);
 
 }  // namespace sheetform

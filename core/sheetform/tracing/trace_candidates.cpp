@@ -52,16 +52,15 @@ class Pool {
 // Traces nodes in rounds of fixed size, in parallel inside a round. A node that an accepted path runs through
 // already would give that path again and is skipped; fixed rounds keep this independent of the number of
 // threads.
-template <typename Trace, typename Rank>
+template <typename Trace>
 void trace_in_rounds(const std::vector<int>& nodes, Pool& pool, std::vector<PathSearch>& searches,
-                     const RunContext& context, const Trace& trace, const Rank& rank_of) {
+                     const RunContext& context, const Trace& trace) {
   constexpr int kRound = 32;
   std::size_t next = 0;
   while (next < nodes.size()) {
-    std::vector<int> round, ranks;
+    std::vector<int> round;
     for (; next < nodes.size() && round.size() < kRound; ++next)
-      if (!pool.is_used(TracingGraph::vertex(nodes[next]), nodes[next] & 3))
-        round.push_back(nodes[next]), ranks.push_back(static_cast<int>(next));
+      if (!pool.is_used(TracingGraph::vertex(nodes[next]), nodes[next] & 3)) round.push_back(nodes[next]);
     std::vector<Path> found(round.size());
     const int workers = static_cast<int>(searches.size()), size = static_cast<int>(round.size());
     std::atomic<int> next_of_round{0};  // one call a worker: each has its own search arrays
@@ -69,7 +68,6 @@ void trace_in_rounds(const std::vector<int>& nodes, Pool& pool, std::vector<Path
       for (int i = next_of_round++; i < size; i = next_of_round++) {
         context.checkpoint();
         found[i] = trace(searches[worker], round[i]);
-        found[i].seed = rank_of(ranks[i]);
       }
     });
     for (Path& path : found) pool.offer(std::move(path));
@@ -109,13 +107,10 @@ std::vector<Path> trace_candidates(const SurfaceMesh& mesh, const TracingGraph& 
   for (int t = 0; t < std::max(1, context.threads); ++t)
     searches.emplace_back(mesh, graph, field, params.drift_weight, max_cost);
   Pool pool(mesh);
-  trace_in_rounds(
-      terminal_nodes(mesh, graph, params.border_seeds), pool, searches, context,
-      [](PathSearch& search, int node) { return search.from_terminal(node); }, [](int) { return -1; });
-  trace_in_rounds(
-      interior_nodes(mesh, graph, field, params.seeds), pool, searches, context,
-      [](PathSearch& search, int node) { return search.through(node); },
-      [](int node) { return node / kLoops; });
+  trace_in_rounds(terminal_nodes(mesh, graph, params.border_seeds), pool, searches, context,
+                  [](PathSearch& search, int node) { return search.from_terminal(node); });
+  trace_in_rounds(interior_nodes(mesh, graph, field, params.seeds), pool, searches, context,
+                  [](PathSearch& search, int node) { return search.through(node); });
   return pool.take();
 }
 

@@ -49,7 +49,6 @@ struct Path {
   bool loop = false;
   double length = 0;
   double drift = 0;  ///< mean of the squared angle / 45 degrees, weighted by length
-  int seed = -1;     ///< rank of the interior seed that it goes through; -1: it came from a border or crease
 };
 
 struct TraceParams {
@@ -59,8 +58,7 @@ struct TraceParams {
   int border_seeds = 120;
 };
 /// Candidate paths: loops from well spread interior seeds, and border/crease-to-border/crease paths. No
-/// duplicates (paths that share over 80 % of their M2 nodes), no self-touching ones. Deterministic. Those of
-/// fewer interior seeds are the ones with a seed below that number.
+/// duplicates (paths that share over 80 % of their M2 nodes), no self-touching ones. Deterministic.
 std::vector<Path> trace_candidates(const SurfaceMesh& mesh, const TracingGraph& graph,
                                    const CrossField& field, const TraceParams& params, RunContext& context);
 

@@ -155,22 +155,6 @@ TEST(TraceCandidates, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST(TraceCandidates, ThoseOfFewerSeedsAreAmongThoseOfMany) {
-  for (const TracedShape& s : {TracedShape(shapes::sphere(14)), TracedShape(shapes::cylinder(40, 20))}) {
-    TraceParams few, many;
-    few.seeds = 23, many.seeds = 150;  // 46 nodes: no whole number of rounds
-    std::vector<Path> chosen;
-    for (const Path& path : s.candidates(many))
-      if (path.seed < few.seeds) chosen.push_back(path);
-    const std::vector<Path> own = s.candidates(few);
-    ASSERT_EQ(chosen.size(), own.size());
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      EXPECT_EQ(chosen[i].vertices, own[i].vertices);
-      EXPECT_EQ(chosen[i].seed, own[i].seed);
-    }
-  }
-}
-
 TEST(TraceCandidates, TinyMeshesGiveNothing) {
   TriangleSoup triangle, tetrahedron;
   triangle.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
