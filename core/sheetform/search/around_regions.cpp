@@ -89,12 +89,10 @@ void LayoutSearch::clear_regions() {
 bool LayoutSearch::recut_around(const std::vector<int>& arch) {
   const std::vector<int> edges = with_loose_ends(arch);
   if (edges.empty()) return false;
-  const EditableNetwork network_before = network_;
   const double inside = length_inside();
   const std::size_t parts = layout().patches.size();
   have_places();
-  const PatchLayout layout_before = layout_;
-  const ArchPlaces places_before = places_;
+  State as_it_was = state();
   const std::vector<int> faces = faces_of(patches_beside(edges));
   network_.remove_edges(edges);
   changed();
@@ -105,8 +103,7 @@ bool LayoutSearch::recut_around(const std::vector<int>& arch) {
     }
     if (split(failing_of(faces), PatchVerdict::kError) == 0) break;
   }
-  network_ = network_before, layout_ = layout_before, places_ = places_before;
-  layout_valid_ = true, evaluation_valid_ = false;
+  take(std::move(as_it_was));
   return false;
 }
 

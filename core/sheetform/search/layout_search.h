@@ -217,6 +217,7 @@ class LayoutSearch {
   std::map<int, double> distances_from(int start, const std::set<int>& inside) const;
   static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
+  std::vector<char> viable_ways(const Sharing* ways, std::size_t n, int fewer);
   bool share_out(int patch);
   /// Two neighbours: a face of each, both keys when shorter seams were looked for, and these.
   struct Pair {

@@ -165,17 +165,23 @@ void LayoutSearch::smooth_cuts(const std::vector<int>& edges) {
   }
 }
 
-bool LayoutSearch::share_out(int patch) {
-  const std::vector<Sharing> all = sharings(patch);
-  std::vector<char> viable(all.size(), 0);
-  std::vector<std::vector<int>> hopeless(all.size());
-  parallel_for(context_, static_cast<int>(all.size()), [&](int i) {
+// Which of n ways leave patches that are viable alone, so many fewer than there are.
+std::vector<char> LayoutSearch::viable_ways(const Sharing* ways, std::size_t n, int fewer) {
+  std::vector<char> viable(n, 0);
+  std::vector<std::vector<int>> hopeless(n);
+  parallel_for(context_, static_cast<int>(n), [&](int i) {
     EditableNetwork trial = network_;
-    apply(all[i], trial);
-    const auto fit = viable_region(trial.network(), all[i].faces, &hopeless[i]);
-    viable[i] = fit && fit->patches < all[i].patches;
+    apply(ways[i], trial);
+    const auto fit = viable_region(trial.network(), ways[i].faces, &hopeless[i]);
+    viable[i] = fit && fit->patches <= ways[i].patches - fewer;
   });
   remember_hopeless(std::move(hopeless));
+  return viable;
+}
+
+bool LayoutSearch::share_out(int patch) {
+  const std::vector<Sharing> all = sharings(patch);
+  const std::vector<char> viable = viable_ways(all.data(), all.size(), 1);
   for (std::size_t i = 0; i < all.size(); ++i)
     if (viable[i] && try_sharing(all[i])) return true;
   return false;

@@ -1,6 +1,5 @@
 // The part of the search that cuts two neighbours anew, with a shorter seam between them.
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <tuple>
 #include <utility>
@@ -63,16 +62,7 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int ot
 bool LayoutSearch::try_shortest(const std::vector<Sharing>& ways) {
   for (std::size_t first = 0; first < ways.size(); first += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, ways.size() - first);
-    std::array<char, kAtOnce> viable{};
-    std::vector<std::vector<int>> hopeless(n);
-    parallel_for(context_, static_cast<int>(n), [&](int i) {
-      const Sharing& way = ways[first + i];
-      EditableNetwork trial = network_;
-      apply(way, trial);
-      const auto fit = viable_region(trial.network(), way.faces, &hopeless[i]);
-      viable[i] = fit && fit->patches <= way.patches;
-    });
-    remember_hopeless(std::move(hopeless));
+    const std::vector<char> viable = viable_ways(&ways[first], n, 0);
     for (std::size_t i = 0; i < n; ++i)
       if (viable[i] && try_shorter(ways[first + i])) return true;
   }

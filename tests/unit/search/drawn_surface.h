@@ -124,6 +124,12 @@ struct Searched {
                                             trace_candidates(mesh, graph, field, trace, bed.context), params,
                                             bed.context);
   }
+  /// From the bare network to one whose arches have gone as far as they can.
+  void reduce() {
+    search->insert();
+    search->remove_paths();
+    search->remove_arches();
+  }
   static SurfaceMesh normalised(TriangleSoup soup) {
     const double diagonal = bounding_box_diagonal(soup.points);
     for (Vector3& p : soup.points) p /= diagonal;

@@ -56,9 +56,7 @@ TEST(ShareOut, IsTheSameForAnyNumberOfThreads) {
   for (int threads : {1, 3}) {
     Searched s(shapes::sphere(12), 0.03);
     s.bed.context.threads = threads;
-    s.search->insert();
-    s.search->remove_paths();
-    s.search->remove_arches();
+    s.reduce();
     s.search->share_out_small();
     expect_viable(*s.search, 0.03);
     networks.push_back(s.search->network().network().edge_path);
