@@ -99,6 +99,12 @@ struct RestTriangle {
   double area;
 };
 
+// A triangle at rest as the local step needs it.
+struct Frame {
+  int corner[3];
+  double x[3], y[3];  // gradient of the Dirichlet energy (of cot) at each corner, of the triangle at rest
+};
+
 std::vector<RestTriangle> rest_triangles(const SurfaceMesh& mesh, const Patch& patch) {
   std::vector<RestTriangle> rest(patch.faces.size());
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -324,53 +330,80 @@ std::optional<Rows2> unrolled_outline(const SurfaceMesh& mesh, const InnerSolver
   return outline;
 }
 
-// One local step: rotations and the right-hand side; returns the energy of the current map. Triangles by the
-// rows of their corners in x.
-double local_step(const std::vector<RestTriangle>& rest, const std::vector<std::array<int, 3>>& triangles,
-                  const Rows2& x, Rows2& rhs) {
-  rhs.setZero();
-  double energy = 0;
+// Triangles by the rows of their corners: row[v] of local vertex v, or v itself.
+std::vector<Frame> frames(const std::vector<RestTriangle>& rest, const PatchChart& chart,
+                          const std::vector<int>* row) {
+  std::vector<Frame> out(rest.size());
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const RestTriangle& r = rest[i];
-    const auto& t = triangles[i];
-    const Vector2 at[3] = {x.row(t[0]), x.row(t[1]), x.row(t[2])};
-    Vector2 now[3], then[3], turned[3];  // sides opposite of the corners
-    double a = 0, b = 0;
     for (int k = 0; k < 3; ++k) {
-      now[k] = at[(k + 2) % 3] - at[(k + 1) % 3], then[k] = r.p[(k + 2) % 3] - r.p[(k + 1) % 3];
-      a += r.cot[k] * now[k].dot(then[k]), b += r.cot[k] * cross(then[k], now[k]);
+      const int v = chart.triangles[i][k], next = (k + 1) % 3, last = (k + 2) % 3;
+      out[i].corner[k] = row != nullptr ? (*row)[v] : v;
+      const Vector2 gradient = r.cot[next] * (r.p[k] - r.p[last]) - r.cot[last] * (r.p[next] - r.p[k]);
+      out[i].x[k] = gradient.x(), out[i].y[k] = gradient.y();
     }
-    const double scale = 1 / std::max(std::sqrt(a * a + b * b), 1e-300);
-    a *= scale, b *= scale;
-    for (int k = 0; k < 3; ++k) {
-      turned[k] = {a * then[k].x() - b * then[k].y(), b * then[k].x() + a * then[k].y()};
-      energy += r.cot[k] * (now[k] - turned[k]).squaredNorm();
-      turned[k] *= r.cot[k];
-    }
-    for (int k = 0; k < 3; ++k) rhs.row(t[k]) += (turned[(k + 1) % 3] - turned[(k + 2) % 3]).transpose();
   }
+  return out;
+}
+
+// One local step: the right-hand side, each triangle turned as it lies in x. Returns how well they lie: the
+// energy of the map is its Dirichlet energy, less twice this, and a constant.
+double local_step(const std::vector<Frame>& triangles, const Rows2& x, Rows2& rhs) {
+  rhs.setZero();
+  const double* from = x.data();
+  double* to = rhs.data();
+  double fit = 0;
+  for (const Frame& t : triangles) {
+    double a = 0, b = 0;  // the turn that fits best, not of unit length yet
+    for (int k = 0; k < 3; ++k) {
+      const double u = from[2 * t.corner[k]], v = from[2 * t.corner[k] + 1];
+      a += t.x[k] * u + t.y[k] * v, b += t.x[k] * v - t.y[k] * u;
+    }
+    const double length = std::max(std::sqrt(a * a + b * b), 1e-300);
+    fit += length;
+    a /= length, b /= length;
+    for (int k = 0; k < 3; ++k) {
+      to[2 * t.corner[k]] += a * t.x[k] - b * t.y[k];
+      to[2 * t.corner[k] + 1] += b * t.x[k] + a * t.y[k];
+    }
+  }
+  return fit;
+}
+
+double dirichlet_energy(const std::vector<ChartEdge>& edges, const Rows2& x) {
+  double energy = 0;
+  for (const ChartEdge& e : edges) energy += e.weight * (x.row(e.a) - x.row(e.b)).squaredNorm();
+  return energy;
+}
+
+double rest_energy(const std::vector<RestTriangle>& rest) {
+  double energy = 0;
+  for (const RestTriangle& r : rest)
+    for (int k = 0; k < 3; ++k) energy += r.cot[k] * (r.p[(k + 2) % 3] - r.p[(k + 1) % 3]).squaredNorm();
   return energy;
 }
 
 // From the map given to that of least energy, per local vertex.
 Rows2 arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
-           std::vector<std::array<int, 3>> triangles, const Solver& solver, const Rows2& start) {
+           const PatchChart& chart, const std::vector<ChartEdge>& edges, const Solver& solver,
+           const Rows2& start) {
   const int n = static_cast<int>(place.size());
-  for (auto& t : triangles)
-    for (int& v : t) v = place[v];
-  Rows2 x(n, 2), rhs(n, 2);
+  const std::vector<Frame> triangles = frames(rest, chart, &place);
+  Rows2 x(n, 2), load(n, 2);
   for (int v = 0; v < n; ++v) x.row(place[v]) = start.row(v);
-  double last = 0;
+  const double at_rest = rest_energy(rest);
+  double dirichlet = dirichlet_energy(edges, start), last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
-    const double energy = local_step(rest, triangles, x, rhs);
+    const double energy = dirichlet - 2 * local_step(triangles, x, load) + at_rest;
     if (it > 0 && last - energy < params.stop * last) break;
     last = energy;
-    rhs.row(n - 1) += x.row(n - 1);  // pinned: the only freedom left
-    x.swap(rhs);
+    load.row(n - 1) += x.row(n - 1);  // pinned: the only freedom left
+    x = load;
     solver.solve(x);
+    dirichlet = x.cwiseProduct(load).sum() - x.row(n - 1).squaredNorm();  // of a solution
   }
-  for (int v = 0; v < n; ++v) rhs.row(v) = x.row(place[v]);
-  return rhs;
+  for (int v = 0; v < n; ++v) load.row(v) = x.row(place[v]);
+  return load;
 }
 
 void take_places(const Rows2& map, PatchChart& chart) {
@@ -425,8 +458,9 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   const auto map_to = [&](Rows2 outline, int iterations) {
     Rows2 load = Rows2::Zero(n, 2);
     inner.solve(load, outline);
+    const std::vector<Frame> triangles = iterations > 0 ? frames(rest, chart, nullptr) : std::vector<Frame>();
     for (int i = 0; i < iterations; ++i) {
-      local_step(rest, chart.triangles, outline, load);
+      local_step(triangles, outline, load);
       inner.solve(load, outline);
     }
     take_places(outline, chart);
@@ -435,7 +469,7 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   };
   const auto settle = [&](const Rows2& start) {
     if (!whole) whole.emplace().factorise(upper_laplacian(n, place, edges, 1.0));
-    take_places(arap(rest, params, place, chart.triangles, *whole, start), chart);
+    take_places(arap(rest, params, place, chart, edges, *whole, start), chart);
     measure(rest, chart);
   };
   if (const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop)) {
