@@ -94,4 +94,14 @@ void parallel_for(const RunContext& context, int n, const std::function<void(int
   if (failure) std::rethrow_exception(failure);
 }
 
+int first_of(const RunContext& context, int n, const std::function<bool(int)>& passes) {
+  std::atomic<int> found{n};
+  parallel_for(context, n, [&](int i) {
+    if (i > found || !passes(i)) return;
+    for (int other = found; i < other && !found.compare_exchange_weak(other, i);) {
+    }
+  });
+  return found;
+}
+
 }  // namespace sheetform

@@ -34,6 +34,11 @@ struct RunContext {
 /// on.
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn);
 
+/// The lowest i below n that passes, n where none does. While one is under way the next are begun on other
+/// threads, so passes() must have no effect beyond i itself; of what comes after the one found some may have
+/// been asked for or not.
+int first_of(const RunContext& context, int n, const std::function<bool(int)>& passes);
+
 /// How many threads a parallel_for called now would use: what is worth while only beside something else can
 /// be left out where it is one.
 int threads_at_hand(const RunContext& context);

@@ -24,7 +24,6 @@ constexpr std::array<double, 4> kTargets{1.3, 2.2, 4, 1};
 constexpr std::size_t kMostGivers = 4;  // with more of them the ways to choose two become too many
 // With so many parts small ones are what the tolerance asks for, and there are too many of them to try.
 constexpr std::size_t kMostParts = 40;
-constexpr std::size_t kAtOnce = 8;  // ways that are tried side by side, whatever the number of threads
 
 // Of the rectangle that has this area and this outline; of a square where none has.
 double width_of(double area, double outline) {
@@ -252,14 +251,9 @@ bool LayoutSearch::helps(const Sharing& way) {
 }
 
 bool LayoutSearch::try_ways(const std::vector<Sharing>& all, double slack) {
-  for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
-    const std::size_t n = std::min(kAtOnce, all.size() - first);
-    std::array<char, kAtOnce> good{};
-    parallel_for(context_, static_cast<int>(n), [&](int i) { good[i] = helps(all[first + i]); });
-    for (std::size_t i = 0; i < n; ++i)
-      if (good[i] && try_sharing(all[first + i], slack)) return true;
-  }
-  return false;
+  return try_in_order(
+      all, [&](const Sharing& way, std::vector<int>&) { return helps(way); },
+      [&](const Sharing& way) { return try_sharing(way, slack); });
 }
 
 void LayoutSearch::know_strip_areas(const std::vector<double>& areas) {

@@ -302,19 +302,17 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, c
     if (patch.area > region.patches[largest].area) largest = p;
   }
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(region.patches.size());
-  const PatchEvaluation& first = *(patches[largest] = evaluator_->patch(region, largest));
-  if (!first.viable()) {
-    if (hopeless != nullptr && first.verdict == PatchVerdict::kError &&
-        first.error > kHopeless * params_.evaluation.e_max)
-      *hopeless = region.patches[largest].faces;
-    return std::nullopt;
-  }
   std::atomic<bool> viable{true};
-  parallel_for(context_, fit.patches, [&](int p) {
-    if (!viable) return;
+  parallel_for(context_, fit.patches, [&](int i) {
+    if (i > 0 && !viable) return;  // the largest is looked at in any case: what is told of it must not depend
+    const int p = i == 0 ? largest : i <= largest ? i - 1 : i;
     patches[p] = evaluator_->patch(region, p);
     if (!patches[p]->viable()) viable = false;
   });
+  if (const PatchEvaluation& e = *patches[largest]; hopeless != nullptr &&
+                                                    e.verdict == PatchVerdict::kError &&
+                                                    e.error > kHopeless * params_.evaluation.e_max)
+    *hopeless = region.patches[largest].faces;
   if (!viable) return std::nullopt;
   for (const auto& e : patches) {
     fit.error = std::max(fit.error, e->error / params_.evaluation.e_max);

@@ -133,13 +133,14 @@ class LayoutSearch {
   };
   std::optional<Fitted> fitted(const PathNetwork& network, const std::vector<int>& faces, double slack = 1);
   bool region_fits(const std::vector<int>& faces, double slack = 1);
-  /// The network without some edges, and what fits then.
+  /// Edges that can go, and what fits then.
   struct Removed {
-    EditableNetwork network;
+    std::vector<int> edges;
+    bool joined;  ///< what is left goes on straight as one path
     Fitted fit;
   };
-  std::optional<Removed> network_without(const std::vector<int>& edges);
-  void take(Removed left);
+  std::optional<Removed> fitted_without(const std::vector<int>& edges);
+  void take(const Removed& removed);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
   /// Remembers which patches have no strips as they are.
@@ -217,7 +218,10 @@ class LayoutSearch {
   std::map<int, double> distances_from(int start, const std::set<int>& inside) const;
   static void apply(const Sharing& s, EditableNetwork& network);
   void smooth_cuts(const std::vector<int>& edges);
-  std::vector<char> viable_ways(const Sharing* ways, std::size_t n, int fewer);
+  bool is_viable(const Sharing& way, int fewer, std::vector<int>& hopeless);
+  using Promising = std::function<bool(const Sharing& way, std::vector<int>& hopeless)>;
+  bool try_in_order(const std::vector<Sharing>& ways, const Promising& promising,
+                    const std::function<bool(const Sharing&)>& goes);
   bool share_out(int patch);
   /// Two neighbours: a face of each, both keys when shorter seams were looked for, and these.
   struct Pair {
@@ -259,6 +263,8 @@ class LayoutSearch {
   std::vector<Removal> whole_arches(const PatchLayout& now) const;
   std::vector<Removal> dart_leavers(const PatchLayout& now) const;
   std::uint64_t merge_key(const PatchLayout& now, const Arch& arch) const;
+  std::vector<int> with_those_around(const std::vector<int>& patches) const;
+  std::vector<int> apart(const std::vector<Removal>& all, std::vector<int>& order);
   bool remove_best(const std::vector<Removal>& all);
 
   SearchSurface& surface_;

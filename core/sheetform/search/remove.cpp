@@ -25,7 +25,8 @@ constexpr double kInsideValue = 100;
 // 15 degrees of the direction of least curvature instead of 60.5 (mean of 33 meshes at 2 %), and smoother
 // arches, for 1 % more parts.
 constexpr double kFlow = 12;
-constexpr int kLeastHalved = 4;  // edges
+constexpr int kLeastHalved = 4;     // edges
+constexpr std::size_t kAtOnce = 4;  // arches that lie apart and go at the same time
 
 std::uint64_t combine(std::uint64_t a, std::uint64_t b) {
   return (a ^ (b + 0x9e3779b97f4a7c15ull + (a << 6) + (a >> 2))) * 0xff51afd7ed558ccdull;
@@ -41,35 +42,35 @@ bool LayoutSearch::fits_without(const std::vector<int>& edges, bool leaves_dart)
   return viable_region(trial, faces_of(patches_beside(edges))).has_value();
 }
 
-// The network without these edges, where the patches around fit then: with what is left joined where it goes
-// on straight, or as it is. Thread-safe.
-std::optional<LayoutSearch::Removed> LayoutSearch::network_without(const std::vector<int>& edges) {
+// What becomes of the patches around without these edges, where they fit then: with what is left joined where
+// it goes on straight, or as it is. Thread-safe.
+std::optional<LayoutSearch::Removed> LayoutSearch::fitted_without(const std::vector<int>& edges) {
   const std::vector<int> faces = faces_of(patches_beside(edges));
-  Removed left{network_, {}};
-  left.network.remove_edges(edges);
-  EditableNetwork apart = left.network;
-  const bool joined = join_straight(edges, left.network);
-  std::optional<Fitted> fit = fitted(left.network.network(), faces);
+  EditableNetwork left = network_;
+  left.remove_edges(edges);
+  const EditableNetwork as_cut = left;
+  bool joined = join_straight(edges, left);
+  std::optional<Fitted> fit = fitted(left.network(), faces);
   if (!fit && joined) {
-    left.network = std::move(apart);
-    fit = fitted(left.network.network(), faces);
+    joined = false;
+    fit = fitted(as_cut.network(), faces);
   }
   if (!fit) return std::nullopt;
-  left.fit = std::move(*fit);
-  return left;
+  return Removed{edges, joined, std::move(*fit)};
 }
 
-void LayoutSearch::take(Removed left) {
-  network_ = std::move(left.network);
+void LayoutSearch::take(const Removed& removed) {
+  network_.remove_edges(removed.edges);
+  if (removed.joined) join_straight(removed.edges, network_);
   changed();
-  store(left.fit.layout, left.fit.evaluation);
+  store(removed.fit.layout, removed.fit.evaluation);
 }
 
 bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
   if (!fits_without(edges, leaves_dart)) return false;
   have_places();
-  std::optional<Removed> left = network_without(edges);
-  if (left) take(std::move(*left));
+  const std::optional<Removed> left = fitted_without(edges);
+  if (left) take(*left);
   return left.has_value();
 }
 
@@ -134,18 +135,18 @@ void LayoutSearch::remove_paths() {
     removed = false;
     for (int i = 0; i < n;) {
       context_.report(Stage::kRemove, 0.4 * (count - paths[i]) / count);
-      // Most do not fit: as many are tried side by side as there are threads, and the first that goes counts.
-      std::vector<std::optional<Removed>> left(std::min(threads_at_hand(context_), n - i));
       layout(), have_places();
-      parallel_for(context_, static_cast<int>(left.size()), [&](int k) {
+      std::vector<std::optional<Removed>> left(n - i);
+      const int goes = first_of(context_, n - i, [&](int k) {
+        context_.checkpoint();
         const std::vector<int> edges = network_.edges_of_path(paths[i + k]);
-        if (fits_without(edges)) left[k] = network_without(edges);
+        if (fits_without(edges)) left[k] = fitted_without(edges);
+        return left[k].has_value();
       });
-      const auto goes = std::find_if(left.begin(), left.end(), [](const auto& l) { return l.has_value(); });
-      i += static_cast<int>(goes - left.begin());
-      if (goes == left.end()) continue;
-      take(std::move(**goes));
-      removed = true, ++i;
+      i += goes + 1;
+      if (i > n) break;
+      take(*left[goes]);
+      removed = true;
     }
   }
 }
@@ -285,7 +286,37 @@ std::vector<LayoutSearch::Removal> LayoutSearch::dart_leavers(const PatchLayout&
   return all;
 }
 
-// The most rewarding of these that is viable; false when none is.
+// These patches and those around them.
+std::vector<int> LayoutSearch::with_those_around(const std::vector<int>& patches) const {
+  std::set<int> all(patches.begin(), patches.end());
+  for (int p : patches)
+    for (const ArchUse& use : layout_.patches[p].boundary)
+      for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
+        if (q >= 0) all.insert(q);
+  return {all.begin(), all.end()};
+}
+
+// Of what is left of `order` the first, and the next ones that concern none of the same patches; they are
+// taken out of it.
+std::vector<int> LayoutSearch::apart(const std::vector<Removal>& all, std::vector<int>& order) {
+  std::vector<char> taken(layout().patches.size(), 0);
+  std::vector<int> chosen, left;
+  for (int r : order) {
+    const bool full = chosen.size() == kAtOnce;
+    const std::vector<int> around =
+        full ? std::vector<int>() : with_those_around(patches_beside(all[r].edges));
+    if (full || std::any_of(around.begin(), around.end(), [&](int p) { return taken[p] != 0; })) {
+      left.push_back(r);
+      continue;
+    }
+    chosen.push_back(r);
+    for (int p : around) taken[p] = 1;
+  }
+  order = std::move(left);
+  return chosen;
+}
+
+// The most rewarding of these that is viable goes, and others with it that lie apart; false when none does.
 bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
   std::vector<int> fresh;
   for (int r = 0; r < static_cast<int>(all.size()); ++r)
@@ -295,16 +326,31 @@ bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
   parallel_for(context_, static_cast<int>(fresh.size()),
                [&](int i) { values[fresh[i]] = merge_value(all[fresh[i]], hopeless[i]); });
   remember_hopeless(std::move(hopeless));
-  std::vector<std::tuple<double, std::uint64_t, int>> order;
+  std::vector<std::tuple<double, std::uint64_t, int>> by_value;
   for (int r = 0; r < static_cast<int>(all.size()); ++r) {
     const auto it = merge_values_.emplace(all[r].key, values[r]).first;
-    if (it->second > 0) order.emplace_back(-it->second, all[r].key, r);
+    if (it->second > 0) by_value.emplace_back(-it->second, all[r].key, r);
   }
-  std::sort(order.begin(), order.end());
-  for (const auto& [value, key, r] : order) {
+  std::sort(by_value.begin(), by_value.end());
+  std::vector<int> order;
+  for (const auto& [value, key, r] : by_value) order.push_back(r);
+  while (!order.empty()) {
+    have_places();
+    bool any = false;
     context_.report(Stage::kRemove, 0.7);
-    if (try_remove(all[r].edges, all[r].leaves_dart)) return true;
-    merge_values_[key] = -1;
+    const std::vector<int> chosen = apart(all, order);
+    std::vector<std::optional<Removed>> left(chosen.size());
+    parallel_for(context_, static_cast<int>(chosen.size()), [&](int i) {
+      const Removal& removal = all[chosen[i]];
+      if (fits_without(removal.edges, removal.leaves_dart)) left[i] = fitted_without(removal.edges);
+    });
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (left[i])
+        take(*left[i]), any = true;
+      else
+        merge_values_[all[chosen[i]].key] = -1;
+    }
+    if (any) return true;
   }
   return false;
 }

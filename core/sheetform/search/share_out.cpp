@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSmall = 0.1;              // of the surface: larger patches hardly ever go this way
 constexpr std::size_t kMostNeighbours = 6;  // with more of them the ways to choose two become too many
+constexpr std::size_t kAtOnce = 8;          // ways that are looked at side by side
 
 }  // namespace
 
@@ -165,26 +166,36 @@ void LayoutSearch::smooth_cuts(const std::vector<int>& edges) {
   }
 }
 
-// Which of n ways leave patches that are viable alone, so many fewer than there are.
-std::vector<char> LayoutSearch::viable_ways(const Sharing* ways, std::size_t n, int fewer) {
-  std::vector<char> viable(n, 0);
-  std::vector<std::vector<int>> hopeless(n);
-  parallel_for(context_, static_cast<int>(n), [&](int i) {
-    EditableNetwork trial = network_;
-    apply(ways[i], trial);
-    const auto fit = viable_region(trial.network(), ways[i].faces, &hopeless[i]);
-    viable[i] = fit && fit->patches <= ways[i].patches - fewer;
-  });
-  remember_hopeless(std::move(hopeless));
-  return viable;
+// Whether the way leaves patches that are viable alone, so many fewer than there are. Thread-safe.
+bool LayoutSearch::is_viable(const Sharing& way, int fewer, std::vector<int>& hopeless) {
+  EditableNetwork trial = network_;
+  apply(way, trial);
+  const auto fit = viable_region(trial.network(), way.faces, &hopeless);
+  return fit && fit->patches <= way.patches - fewer;
+}
+
+// The first of these ways that is promising and goes. What turns out to be hopeless counts for those after
+// the ones that are looked at side by side, whatever the number of threads.
+bool LayoutSearch::try_in_order(const std::vector<Sharing>& ways, const Promising& promising,
+                                const std::function<bool(const Sharing&)>& goes) {
+  for (std::size_t begin = 0; begin < ways.size();) {
+    const std::size_t n = std::min(kAtOnce, ways.size() - begin);
+    std::vector<std::vector<int>> hopeless(n);
+    const auto found = static_cast<std::size_t>(first_of(
+        context_, static_cast<int>(n), [&](int i) { return promising(ways[begin + i], hopeless[i]); }));
+    hopeless.resize(std::min(found + 1, n));
+    remember_hopeless(std::move(hopeless));
+    if (found < n && goes(ways[begin + found])) return true;
+    begin += found + (found < n);
+  }
+  return false;
 }
 
 bool LayoutSearch::share_out(int patch) {
-  const std::vector<Sharing> all = sharings(patch);
-  const std::vector<char> viable = viable_ways(all.data(), all.size(), 1);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (viable[i] && try_sharing(all[i])) return true;
-  return false;
+  return try_in_order(
+      sharings(patch),
+      [&](const Sharing& way, std::vector<int>& hopeless) { return is_viable(way, 1, hopeless); },
+      [&](const Sharing& way) { return try_sharing(way); });
 }
 
 // Undone where the patches around do not fit then, or more cuts lie where none are wanted.

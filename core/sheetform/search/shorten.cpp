@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kMostWays = 16;         // of one seam that are tried
 constexpr double kShorter = 0.97;     // of the seam that a line may be long
-constexpr std::size_t kAtOnce = 4;    // that are looked at side by side, whatever the number of threads
 constexpr double kLeastGain = 0.02;   // of the seam: what has to be won when the cut has been smoothed
 constexpr double kLeastShare = 0.15;  // of the smaller patch that stays on either side
 
@@ -60,13 +59,9 @@ std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(int patch, int ot
 
 // The shortest that is viable, and shorter still when it has been smoothed.
 bool LayoutSearch::try_shortest(const std::vector<Sharing>& ways) {
-  for (std::size_t first = 0; first < ways.size(); first += kAtOnce) {
-    const std::size_t n = std::min(kAtOnce, ways.size() - first);
-    const std::vector<char> viable = viable_ways(&ways[first], n, 0);
-    for (std::size_t i = 0; i < n; ++i)
-      if (viable[i] && try_shorter(ways[first + i])) return true;
-  }
-  return false;
+  return try_in_order(
+      ways, [&](const Sharing& way, std::vector<int>& hopeless) { return is_viable(way, 0, hopeless); },
+      [&](const Sharing& way) { return try_shorter(way); });
 }
 
 bool LayoutSearch::try_shorter(const Sharing& way) {
