@@ -51,6 +51,10 @@ constexpr int kHighestLevel = 2;
 constexpr double kAlmostPlane = 0.05;  // of the tolerance
 // A patch alone has to leave this share of the tolerance to its neighbours.
 constexpr double kRoom = 0.9;
+// Places that are too far weigh as much as so many samples, and more each time: at once these are gone
+// sooner, and in more cases at all (33 meshes at 2 and 1 %: 278 and 491 parts instead of 281 and 510, in a
+// quarter and a tenth less steps).
+constexpr double kDrawn = 5, kDrawnMore = 1.3;
 
 StripSource::Patch strip_patch(const PatchLayout& layout, int p, const PatchEvaluation& e,
                                const std::vector<int>& unknowns) {
@@ -80,7 +84,8 @@ FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, c
       context_(context),
       level_(layout.patches.size(), 0),
       patches_(layout.patches.size()),
-      hopeless_(layout.patches.size(), 0) {
+      hopeless_(layout.patches.size(), 0),
+      pull_(kDrawn) {
   parallel_for(context_, static_cast<int>(patches_.size()), [&](int p) { choose_level(p, kHighestLevel); });
 }
 
@@ -146,10 +151,11 @@ void FinalPass::draw_to(const std::vector<FarPlace>& far) {
     s.unknown = place.triangle;
     for (int k = 0; k < 3; ++k) s.coefficient[k] = place.barycentric[k];
     s.target = place.on_input;
-    s.weight = weight / static_cast<double>(std::max<std::size_t>(count, 1));
+    s.weight = pull_ * weight / static_cast<double>(std::max<std::size_t>(count, 1));
     s.slide = 0;
     drawn_.push_back(s);
   }
+  pull_ *= kDrawnMore;
 }
 
 FinishedLayout FinalPass::solve(int rounds) {

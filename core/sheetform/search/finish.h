@@ -49,6 +49,7 @@ class FinalPass {
   std::vector<Evaluation> patches_;
   std::vector<char> hopeless_;
   std::vector<MorphSample> drawn_;
+  double pull_;  ///< what places drawn to next weigh, in samples
   bool distinct_ = false;
 };
 
