@@ -14,6 +14,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Rows2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;  // a place in the plane per row
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostChange = 0.8;  // of a length of the outline
+constexpr double kBlurred = 1e-12;   // of the energy at rest: below, energies are rounding
 constexpr int kInnerIterations = 3;  // with the outline held: exact on cones, where clamped weights are not
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -395,7 +396,8 @@ Rows2 arap(const std::vector<RestTriangle>& rest, const ChartParams& params, con
   double dirichlet = dirichlet_energy(edges, start), last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
     const double energy = dirichlet - 2 * local_step(triangles, x, load) + at_rest;
-    if (it > 0 && last - energy < params.stop * last) break;
+    // Small differences of large sums: what is exact but for these goes on.
+    if (it > 0 && energy > kBlurred * at_rest && last - energy < params.stop * last) break;
     last = energy;
     load.row(n - 1) += x.row(n - 1);  // pinned: the only freedom left
     x = load;
