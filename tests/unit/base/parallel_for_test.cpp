@@ -85,5 +85,26 @@ TEST(ParallelFor, AfterAFailureTheThreadsAreThereAgain) {
   EXPECT_TRUE(other);
 }
 
+TEST(FirstOf, TheLowestThatPassesForAnyNumberOfThreads) {
+  for (int threads : {1, 2, 3, 8}) {
+    const RunContext context = with_threads(threads);
+    for (int lowest = 0; lowest <= 40; ++lowest) {
+      std::vector<std::atomic<int>> asked(40);
+      const auto passes = [&](int i) {
+        ++asked[i];
+        // Those after it are often done first.
+        if (i == lowest) std::this_thread::sleep_for(std::chrono::microseconds(100));
+        return i >= lowest;
+      };
+      ASSERT_EQ(first_of(context, 40, passes), lowest) << threads;
+      for (int i = 0; i < 40; ++i) ASSERT_TRUE(asked[i] == 1 || (asked[i] == 0 && i > lowest)) << i;
+      if (threads == 1 && lowest < 39) {
+        ASSERT_EQ(asked[lowest + 1], 0);
+      }
+    }
+  }
+  EXPECT_EQ(first_of(with_threads(2), 0, [](int) { return true; }), 0);
+}
+
 }  // namespace
 }  // namespace sheetform

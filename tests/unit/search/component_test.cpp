@@ -153,6 +153,36 @@ TEST(FinalPass, OutlinesAreTheArchesInOrder) {
   }
 }
 
+// A place that is too far pulls, and the longer it stays so the more.
+TEST(FinalPass, StripsAreDrawnToPlaces) {
+  Searched s(shapes::torus(48, 24), 0.03);
+  s.search->insert();
+  FinalPass pass(s.bed.surface, s.search->network().network(), s.search->layout(),
+                 s.search->evaluator().params(), s.search->evaluator(), s.bed.context);
+  FinishedLayout now = pass.solve(4);
+  const StripSource::Patch patch = now.source.patches[0];
+  FarPlace far;
+  for (int k = 0; k < 3; ++k) far.triangle[k] = patch.outline[patch.triangles[patch.triangles.size() / 2][k]];
+  far.barycentric = Vector3::Constant(1.0 / 3);
+  const auto middle = [&] {
+    Vector3 sum = Vector3::Zero();
+    for (int v : far.triangle) sum += now.source.points[v] / 3;
+    return sum;
+  };
+  const auto side = [&](int k) -> Vector3 {
+    return now.source.points[far.triangle[k]] - now.source.points[far.triangle[0]];
+  };
+  far.on_input = middle() + 0.01 * side(1).cross(side(2)).normalized();
+  double last = 0.01, won = 0;
+  for (int step = 0; step < 3; ++step) {
+    pass.draw_to({far});
+    now = pass.solve(4);
+    const double left = (middle() - far.on_input).norm();
+    EXPECT_GT(last - left, won) << step;
+    won = last - left, last = left;
+  }
+}
+
 TEST(DecomposeComponent, GivesTheSameTwice) {
   const ComponentInput input = input_of(shapes::sphere(12));
   RunContext one, two;
