@@ -5,7 +5,7 @@
 namespace sheetform {
 namespace {
 
-constexpr int kOftenEnough = 4096;  // balls between two looks at whether to stop
+constexpr int kGroup = 64;  // balls that a thread looks at in one go
 
 using Part = ClosestPointTree::Part;
 
@@ -19,14 +19,19 @@ bool all_near(const Part& part, const ClosestPointTree& to, double limit) {
 std::vector<int> far_faces(const ClosestPointTree& own, const ClosestPointTree& to, double limit,
                            const RunContext& context) {
   std::vector<int> found;
-  std::vector<Part> open = own.parts();
-  for (int looked = 0; !open.empty(); ++looked) {
-    if (looked % kOftenEnough == 0) context.checkpoint();
-    const Part part = open.back();
-    open.pop_back();
-    if (all_near(part, to, limit)) continue;
-    if (!part.leaf()) own.append_parts(part, open);
-    for (int i = 0; i < part.count; ++i) found.push_back(own.face_of(part, i));
+  for (std::vector<Part> open = own.parts(), next; !open.empty(); open.swap(next), next.clear()) {
+    const auto n = static_cast<int>(open.size());
+    std::vector<char> near(open.size());
+    parallel_for(context, (n + kGroup - 1) / kGroup, [&](int group) {
+      context.checkpoint();
+      for (int i = group * kGroup; i < std::min(n, (group + 1) * kGroup); ++i)
+        near[i] = all_near(open[i], to, limit);
+    });
+    for (int i = 0; i < n; ++i) {
+      if (near[i]) continue;
+      if (!open[i].leaf()) own.append_parts(open[i], next);
+      for (int k = 0; k < open[i].count; ++k) found.push_back(own.face_of(open[i], k));
+    }
   }
   std::sort(found.begin(), found.end());
   return found;

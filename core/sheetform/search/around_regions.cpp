@@ -25,6 +25,7 @@ double LayoutSearch::length_inside(const std::vector<int>& edges) const {
 
 double LayoutSearch::length_inside() {
   double sum = 0;
+  if (surface_.keep_out.empty()) return sum;
   for (const Arch& a : layout().arches)
     if (!is_held(network_.network().kinds[a.path])) sum += length_inside(a.edges);
   return sum;
