@@ -405,11 +405,7 @@ double patch_error(const std::vector<MorphSample>& samples, const std::vector<st
 
 std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout& layout, int p) {
   const Patch& patch = layout.patches[p];
-  {
-    const std::lock_guard lock(mutex_);
-    const auto it = cache_.find(patch.key);
-    if (it != cache_.end()) return ++counts_.cache_hits, it->second;
-  }
+  if (auto found = known(patch)) return found;
   context_.checkpoint();
   auto result = compute(layout, patch, params_.ruling, nullptr);
   const std::lock_guard lock(mutex_);
@@ -431,21 +427,31 @@ void LayoutEvaluator::reject(const Patch& patch) {
 
 std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(const PatchLayout& layout) {
   std::vector<std::shared_ptr<const PatchEvaluation>> all(layout.patches.size());
-  parallel_for(context_, static_cast<int>(all.size()), [&](int p) { all[p] = patch(layout, p); });
+  std::vector<int> open;
+  for (int p = 0; p < static_cast<int>(all.size()); ++p)
+    if (!(all[p] = known(layout.patches[p]))) open.push_back(p);
+  // What takes longest is begun first.
+  std::stable_sort(open.begin(), open.end(), [&](int a, int b) {
+    return layout.patches[a].faces.size() > layout.patches[b].faces.size();
+  });
+  parallel_for(context_, static_cast<int>(open.size()),
+               [&](int i) { all[open[i]] = patch(layout, open[i]); });
   return all;
 }
 
-std::shared_ptr<const PatchEvaluation> LayoutEvaluator::cached(const Patch& patch) const {
+std::shared_ptr<const PatchEvaluation> LayoutEvaluator::known(const Patch& patch) const {
   const std::lock_guard lock(mutex_);
   const auto it = cache_.find(patch.key);
-  return it == cache_.end() ? nullptr : it->second;
+  if (it == cache_.end()) return nullptr;
+  ++counts_.cache_hits;
+  return it->second;
 }
 
 std::shared_ptr<const PatchChart> LayoutEvaluator::chart(const PatchLayout& layout,
                                                          const Patch& patch) const {
   for (const LayoutEvaluator* where : {this, static_cast<const LayoutEvaluator*>(charts_)})
-    if (const auto known = where == nullptr ? nullptr : where->cached(patch); known && known->chart)
-      return known->chart;
+    if (const auto seen = where == nullptr ? nullptr : where->known(patch); seen && seen->chart)
+      return seen->chart;
   ChartParams chart_params;
   if (!surface_.elimination_rank.empty()) chart_params.elimination_rank = &surface_.elimination_rank;
   return std::make_shared<PatchChart>(parametrize(surface_.mesh, layout, patch, chart_params));
@@ -459,7 +465,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
     return e;
   }
-  const auto before = charts_ == nullptr ? nullptr : charts_->cached(patch);
+  const auto before = charts_ == nullptr ? nullptr : charts_->known(patch);
   const auto chart = e->chart = this->chart(layout, patch);
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)

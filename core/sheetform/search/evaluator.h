@@ -129,8 +129,8 @@ struct LayoutEvaluation {
   int failing = 0;  ///< patches that are not viable or exceed e_max
 };
 
-/// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch() and
-/// chart().
+/// Evaluates layouts of one surface; remembers the patches that it has seen. Thread-safe for patch(),
+/// known() and chart().
 class LayoutEvaluator {
  public:
   /// `charts`: an evaluator of the same surface whose charts and corners are taken where it has them; may be
@@ -141,6 +141,8 @@ class LayoutEvaluator {
 
   const EvaluationParams& params() const { return params_; }
   std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
+  /// The same where it has been evaluated before, or null.
+  std::shared_ptr<const PatchEvaluation> known(const Patch& patch) const;
   /// Its chart alone: as it was evaluated before, here or where charts are taken from, or made anew.
   std::shared_ptr<const PatchChart> chart(const PatchLayout& layout, const Patch& patch) const;
   /// A patch that failed by a finer measure: not viable from now on.
@@ -175,8 +177,6 @@ class LayoutEvaluator {
   std::shared_ptr<const PatchEvaluation> compute(const PatchLayout& layout, const Patch& patch,
                                                  RulingParams ruling,
                                                  const std::function<bool(int, int)>* forbidden) const;
-  /// What is known of the patch here; may be null.
-  std::shared_ptr<const PatchEvaluation> cached(const Patch& patch) const;
   const SearchSurface& surface_;
   EvaluationParams params_;
   RunContext& context_;
@@ -184,7 +184,7 @@ class LayoutEvaluator {
   mutable std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
   std::unordered_set<std::uint64_t> rejected_;
-  EvaluationCounts counts_;
+  mutable EvaluationCounts counts_;
 };
 
 /// Largest distance between the strips and the surface at the samples of one patch; `limit`: below it

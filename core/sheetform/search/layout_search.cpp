@@ -303,9 +303,17 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, c
   }
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(region.patches.size());
   std::atomic<bool> viable{true};
-  parallel_for(context_, fit.patches, [&](int i) {
-    if (i > 0 && !viable) return;  // the largest is looked at in any case: what is told of it must not depend
+  std::vector<int> open;
+  for (int i = 0; i < fit.patches; ++i) {
     const int p = i == 0 ? largest : i <= largest ? i - 1 : i;
+    if (!(patches[p] = evaluator_->known(region.patches[p])))
+      open.push_back(p);
+    else if (!patches[p]->viable())
+      viable = false;
+  }
+  parallel_for(context_, static_cast<int>(open.size()), [&](int i) {
+    const int p = open[i];
+    if (p != largest && !viable) return;  // the largest is looked at in any case, so that it is told the same
     patches[p] = evaluator_->patch(region, p);
     if (!patches[p]->viable()) viable = false;
   });
