@@ -371,12 +371,6 @@ double local_step(const std::vector<Frame>& triangles, const Rows2& x, Rows2& rh
   return fit;
 }
 
-double dirichlet_energy(const std::vector<ChartEdge>& edges, const Rows2& x) {
-  double energy = 0;
-  for (const ChartEdge& e : edges) energy += e.weight * (x.row(e.a) - x.row(e.b)).squaredNorm();
-  return energy;
-}
-
 double rest_energy(const std::vector<RestTriangle>& rest) {
   double energy = 0;
   for (const RestTriangle& r : rest)
@@ -386,14 +380,13 @@ double rest_energy(const std::vector<RestTriangle>& rest) {
 
 // From the map given to that of least energy, per local vertex.
 Rows2 arap(const std::vector<RestTriangle>& rest, const ChartParams& params, const std::vector<int>& place,
-           const PatchChart& chart, const std::vector<ChartEdge>& edges, const Solver& solver,
-           const Rows2& start) {
+           const PatchChart& chart, const InnerSolver& inner, const Solver& solver, const Rows2& start) {
   const int n = static_cast<int>(place.size());
   const std::vector<Frame> triangles = frames(rest, chart, &place);
   Rows2 x(n, 2), load(n, 2);
   for (int v = 0; v < n; ++v) x.row(place[v]) = start.row(v);
   const double at_rest = rest_energy(rest);
-  double dirichlet = dirichlet_energy(edges, start), last = 0;
+  double dirichlet = start.cwiseProduct(inner.laplacian(start)).sum(), last = 0;
   for (int it = 0; it < params.max_iterations; ++it) {
     const double energy = dirichlet - 2 * local_step(triangles, x, load) + at_rest;
     // Small differences of large sums: what is exact but for these goes on.
@@ -471,7 +464,7 @@ PatchChart parametrize(const SurfaceMesh& mesh, const PatchLayout& layout, const
   };
   const auto settle = [&](const Rows2& start) {
     if (!whole) whole.emplace().factorise(upper_laplacian(n, place, edges, 1.0));
-    take_places(arap(rest, params, place, chart, edges, *whole, start), chart);
+    take_places(arap(rest, params, place, chart, inner, *whole, start), chart);
     measure(rest, chart);
   };
   if (const auto unrolled = unrolled_outline(mesh, inner, rest, chart, loop)) {

@@ -52,7 +52,7 @@ constexpr double kAlmostPlane = 0.05;  // of the tolerance
 // A patch alone has to leave this share of the tolerance to its neighbours.
 constexpr double kRoom = 0.9;
 // Places that are too far weigh as much as so many samples, and more each time: at once these are gone
-// sooner, and in more cases at all (33 meshes at 2 and 1 %: 278 and 491 parts instead of 281 and 510, in a
+// sooner, and in more cases at all (33 meshes at 2 and 1 %: 277 and 494 parts instead of 281 and 510, in a
 // quarter and a tenth less steps).
 constexpr double kDrawn = 5, kDrawnMore = 1.3;
 

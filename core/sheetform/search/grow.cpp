@@ -246,7 +246,7 @@ bool LayoutSearch::helps(const Sharing& way) {
   };
   const PatchLayout before = region(network_.network()), after = region(trial.network());
   if (after.patches.size() > before.patches.size() || lacks(after) > lacks(before) - kGain) return false;
-  std::vector<int> hopeless;
+  std::vector<int> hopeless;  // not remembered: what may not grow may still go otherwise
   return viable_region(trial.network(), way.faces, &hopeless).has_value();
 }
 

@@ -304,13 +304,13 @@ std::optional<RegionFit> LayoutSearch::viable_region(const PathNetwork& trial, c
   std::vector<std::shared_ptr<const PatchEvaluation>> patches(region.patches.size());
   std::atomic<bool> viable{true};
   std::vector<int> open;
-  for (int i = 0; i < fit.patches; ++i) {
-    const int p = i == 0 ? largest : i <= largest ? i - 1 : i;
+  for (int p = 0; p < fit.patches; ++p) {
     if (!(patches[p] = evaluator_->known(region.patches[p])))
       open.push_back(p);
     else if (!patches[p]->viable())
       viable = false;
   }
+  std::stable_partition(open.begin(), open.end(), [&](int p) { return p == largest; });
   parallel_for(context_, static_cast<int>(open.size()), [&](int i) {
     const int p = open[i];
     if (p != largest && !viable) return;  // the largest is looked at in any case, so that it is told the same

@@ -118,8 +118,8 @@ class LayoutSearch {
   double priority(const Path& path, int patch) const;
   bool try_straighten(int edge);
   void set_straight(const std::vector<int>& edges, bool straight);
-  bool fits_without(const std::vector<int>& edges, bool leaves_dart = false);
-  bool try_remove(const std::vector<int>& edges, bool leaves_dart = false);
+  bool fits_without(const std::vector<int>& edges, bool leaves_dart);
+  bool try_remove(const std::vector<int>& edges);
   std::vector<int> patches_beside(const std::vector<int>& edges);
   std::vector<int> faces_of(const std::vector<int>& patches) const;
   /// hopeless: where the faces of a patch are told that turns out to be far too far off; given, patches that
@@ -139,7 +139,7 @@ class LayoutSearch {
     bool joined;  ///< what is left goes on straight as one path
     Fitted fit;
   };
-  std::optional<Removed> fitted_without(const std::vector<int>& edges);
+  std::optional<Removed> fitted_without(const std::vector<int>& edges, bool leaves_dart = false);
   void take(const Removed& removed);
   void store(const PatchLayout& layout, const LayoutEvaluation& e);
   void have_places();
@@ -263,7 +263,7 @@ class LayoutSearch {
   std::vector<Removal> whole_arches(const PatchLayout& now) const;
   std::vector<Removal> dart_leavers(const PatchLayout& now) const;
   std::uint64_t merge_key(const PatchLayout& now, const Arch& arch) const;
-  std::vector<int> with_those_around(const std::vector<int>& patches) const;
+  std::set<int> with_those_around(const std::vector<int>& patches) const;
   std::vector<int> apart(const std::vector<Removal>& all, std::vector<int>& order);
   bool remove_best(const std::vector<Removal>& all);
 

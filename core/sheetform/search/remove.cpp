@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 #include <unordered_set>
@@ -44,7 +45,9 @@ bool LayoutSearch::fits_without(const std::vector<int>& edges, bool leaves_dart)
 
 // What becomes of the patches around without these edges, where they fit then: with what is left joined where
 // it goes on straight, or as it is. Thread-safe.
-std::optional<LayoutSearch::Removed> LayoutSearch::fitted_without(const std::vector<int>& edges) {
+std::optional<LayoutSearch::Removed> LayoutSearch::fitted_without(const std::vector<int>& edges,
+                                                                  bool leaves_dart) {
+  if (!fits_without(edges, leaves_dart)) return std::nullopt;
   const std::vector<int> faces = faces_of(patches_beside(edges));
   EditableNetwork left = network_;
   left.remove_edges(edges);
@@ -66,8 +69,7 @@ void LayoutSearch::take(const Removed& removed) {
   store(removed.fit.layout, removed.fit.evaluation);
 }
 
-bool LayoutSearch::try_remove(const std::vector<int>& edges, bool leaves_dart) {
-  if (!fits_without(edges, leaves_dart)) return false;
+bool LayoutSearch::try_remove(const std::vector<int>& edges) {
   have_places();
   const std::optional<Removed> left = fitted_without(edges);
   if (left) take(*left);
@@ -139,8 +141,7 @@ void LayoutSearch::remove_paths() {
       std::vector<std::optional<Removed>> left(n - i);
       const int goes = first_of(context_, n - i, [&](int k) {
         context_.checkpoint();
-        const std::vector<int> edges = network_.edges_of_path(paths[i + k]);
-        if (fits_without(edges)) left[k] = fitted_without(edges);
+        left[k] = fitted_without(network_.edges_of_path(paths[i + k]));
         return left[k].has_value();
       });
       i += goes + 1;
@@ -287,13 +288,13 @@ std::vector<LayoutSearch::Removal> LayoutSearch::dart_leavers(const PatchLayout&
 }
 
 // These patches and those around them.
-std::vector<int> LayoutSearch::with_those_around(const std::vector<int>& patches) const {
+std::set<int> LayoutSearch::with_those_around(const std::vector<int>& patches) const {
   std::set<int> all(patches.begin(), patches.end());
   for (int p : patches)
     for (const ArchUse& use : layout_.patches[p].boundary)
       for (int q : {layout_.arches[use.arch].left, layout_.arches[use.arch].right})
         if (q >= 0) all.insert(q);
-  return {all.begin(), all.end()};
+  return all;
 }
 
 // Of what is left of `order` the first, and the next ones that concern none of the same patches; they are
@@ -302,15 +303,13 @@ std::vector<int> LayoutSearch::apart(const std::vector<Removal>& all, std::vecto
   std::vector<char> taken(layout().patches.size(), 0);
   std::vector<int> chosen, left;
   for (int r : order) {
-    const bool full = chosen.size() == kAtOnce;
-    const std::vector<int> around =
-        full ? std::vector<int>() : with_those_around(patches_beside(all[r].edges));
-    if (full || std::any_of(around.begin(), around.end(), [&](int p) { return taken[p] != 0; })) {
-      left.push_back(r);
-      continue;
-    }
-    chosen.push_back(r);
-    for (int p : around) taken[p] = 1;
+    std::set<int> around;
+    if (chosen.size() < kAtOnce) around = with_those_around(patches_beside(all[r].edges));
+    const bool goes =
+        !around.empty() && std::none_of(around.begin(), around.end(), [&](int p) { return taken[p] != 0; });
+    (goes ? chosen : left).push_back(r);
+    if (goes)
+      for (int p : around) taken[p] = 1;
   }
   order = std::move(left);
   return chosen;
@@ -340,10 +339,8 @@ bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
     context_.report(Stage::kRemove, 0.7);
     const std::vector<int> chosen = apart(all, order);
     std::vector<std::optional<Removed>> left(chosen.size());
-    parallel_for(context_, static_cast<int>(chosen.size()), [&](int i) {
-      const Removal& removal = all[chosen[i]];
-      if (fits_without(removal.edges, removal.leaves_dart)) left[i] = fitted_without(removal.edges);
-    });
+    parallel_for(context_, static_cast<int>(chosen.size()),
+                 [&](int i) { left[i] = fitted_without(all[chosen[i]].edges, all[chosen[i]].leaves_dart); });
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (left[i])
         take(*left[i]), any = true;
