@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sheetform/base/parallel_groups.h"
+
 namespace sheetform {
 namespace {
 
@@ -22,11 +24,7 @@ std::vector<int> far_faces(const ClosestPointTree& own, const ClosestPointTree& 
   for (std::vector<Part> open = own.parts(), next; !open.empty(); open.swap(next), next.clear()) {
     const auto n = static_cast<int>(open.size());
     std::vector<char> near(open.size());
-    parallel_for(context, (n + kGroup - 1) / kGroup, [&](int group) {
-      context.checkpoint();
-      for (int i = group * kGroup; i < std::min(n, (group + 1) * kGroup); ++i)
-        near[i] = all_near(open[i], to, limit);
-    });
+    parallel_in_groups(context, n, kGroup, [&](int i) { near[i] = all_near(open[i], to, limit); });
     for (int i = 0; i < n; ++i) {
       if (near[i]) continue;
       if (!open[i].leaf()) own.append_parts(open[i], next);

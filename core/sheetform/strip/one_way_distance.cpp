@@ -9,6 +9,8 @@
 #include <queue>
 #include <utility>
 
+#include "sheetform/base/parallel_groups.h"
+
 namespace sheetform::certificate {
 namespace {
 
@@ -95,11 +97,7 @@ std::vector<OneWayDistance::Hit> OneWayDistance::hits_of(const std::vector<AreaS
   std::vector<ClosestPoint> hits(samples.size());
   constexpr int kChunk = 512;
   const int n = static_cast<int>(samples.size());
-  parallel_for(context_, (n + kChunk - 1) / kChunk, [&](int chunk) {
-    context_.checkpoint();
-    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
-      hits[i] = closest(samples[i].point);
-  });
+  parallel_in_groups(context_, n, kChunk, [&](int i) { hits[i] = closest(samples[i].point); });
   context_.checkpoint();
   std::vector<Hit> out;
   for (int i = 0; i < n; ++i) {
@@ -252,10 +250,7 @@ void OneWayDistance::find_largest(const Goal& goal) {
     done += n;
     std::vector<Probe> probes(now.size());
     std::vector<std::array<Piece, 2>> pairs(now.size());
-    parallel_for(context_, (n + kTogether - 1) / kTogether, [&](int g) {
-      for (int i = g * kTogether; i < std::min(n, (g + 1) * kTogether); ++i)
-        probes[i] = split(now[i], pairs[i]);
-    });
+    parallel_in_groups(context_, n, kTogether, [&](int i) { probes[i] = split(now[i], pairs[i]); });
     for (const Probe& p : probes) keep(p.point, p.face, p.hit);
     for (const auto& pair : pairs)
       for (const Piece& half : pair) open.push(half);

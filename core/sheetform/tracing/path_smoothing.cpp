@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <tuple>
 #include <utility>
 
+#include "sheetform/base/parallel_groups.h"
 #include "sheetform/tracing/path_fairing.h"
 
 namespace sheetform {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr int kGroup = 250;  // points that are worth a thread
 
 using Points = std::vector<Vector3>;
 
@@ -109,15 +110,6 @@ void relax(SurfaceMesh& mesh, const Region& region, std::size_t first) {
   }
 }
 
-// In groups that are worth a thread.
-void side_by_side(const RunContext& context, std::size_t n, const std::function<void(std::size_t)>& fn) {
-  constexpr std::size_t kGroup = 250;
-  parallel_for(context, static_cast<int>((n + kGroup - 1) / kGroup), [&](int group) {
-    const std::size_t end = std::min(n, (group + 1) * kGroup);
-    for (std::size_t i = group * kGroup; i < end; ++i) fn(i);
-  });
-}
-
 // One call of smooth_paths, on a mesh that is at rest.
 class Smoother {
  public:
@@ -180,7 +172,7 @@ class Smoother {
     const double anchor = std::pow(1 - std::cos(2 * kPi / params_.cutoff_edges), 2);
     const Points places = fair_paths(mesh_.points, all.movable, all.slot, all.normal, stencils, anchor);
     Points goals(places.size());
-    side_by_side(context, places.size(), [&](std::size_t i) {
+    parallel_in_groups(context, static_cast<int>(places.size()), kGroup, [&](int i) {
       goals[i] =
           projected(params_.allowed ? params_.allowed(all.start[i], places[i]) : places[i], all.start[i]);
     });
@@ -229,7 +221,7 @@ class Smoother {
 
   void project_around(const RunContext& context) {
     const std::size_t first = goals_.size();
-    side_by_side(context, region_.movable.size() - first, [&](std::size_t i) {
+    parallel_in_groups(context, static_cast<int>(region_.movable.size() - first), kGroup, [&](int i) {
       Vector3& p = mesh_.points[region_.movable[first + i]];
       p = projected(p, region_.start[first + i]);
     });
