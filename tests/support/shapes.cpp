@@ -1,7 +1,10 @@
 #include "support/shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace sheetform::shapes {
 namespace {
@@ -91,6 +94,60 @@ TriangleSoup closed_cylinder(int around, int along, double r, double height) {
       soup.faces.push_back({a, c, d});
     }
   }
+  return soup;
+}
+
+TriangleSoup isosurface(const std::function<double(const Vector3&)>& f, const Vector3& half,
+                        const std::array<int, 3>& n) {
+  TriangleSoup soup;
+  std::vector<Vector3> place;
+  std::vector<double> value;
+  for (int x = 0; x < n[0]; ++x)
+    for (int y = 0; y < n[1]; ++y)
+      for (int z = 0; z < n[2]; ++z) {
+        const Eigen::Array3d at(x, y, z), last(n[0] - 1, n[1] - 1, n[2] - 1);
+        place.push_back(half.array() * (2 * at / last - 1));
+        value.push_back(f(place.back()));
+      }
+  std::map<std::pair<int, int>, int> crossing;
+  const auto cross = [&](int a, int b) {
+    const auto [it, fresh] = crossing.emplace(std::minmax(a, b), static_cast<int>(soup.points.size()));
+    if (fresh) {
+      const auto [lo, hi] = it->first;
+      const double t = std::clamp(value[lo] / (value[lo] - value[hi]), 0.02, 0.98);
+      soup.points.push_back(place[lo] + t * (place[hi] - place[lo]));
+    }
+    return it->second;
+  };
+  const auto add = [&](int a, int b, int c, const Vector3& outwards) {
+    const Vector3 normal = (soup.points[b] - soup.points[a]).cross(soup.points[c] - soup.points[a]);
+    if (normal.dot(outwards) < 0) std::swap(b, c);
+    soup.faces.push_back({a, b, c});
+  };
+  const auto in_tetrahedron = [&](const std::array<int, 4>& corners) {
+    std::vector<int> in, out;
+    for (int c : corners) (value[c] < 0 ? in : out).push_back(c);
+    if (in.empty() || out.empty()) return;
+    Vector3 outwards = Vector3::Zero();
+    for (int a : in)
+      for (int b : out) outwards += place[b] - place[a];
+    if (in.size() == 2) {
+      const int a = cross(in[0], out[0]), b = cross(in[0], out[1]), c = cross(in[1], out[1]);
+      add(a, b, c, outwards), add(a, c, cross(in[1], out[0]), outwards);
+    } else {
+      const auto& [tip, others] = in.size() == 1 ? std::pair(in[0], out) : std::pair(out[0], in);
+      add(cross(tip, others[0]), cross(tip, others[1]), cross(tip, others[2]), outwards);
+    }
+  };
+  const auto id = [&](int x, int y, int z) { return (x * n[1] + y) * n[2] + z; };
+  for (int x = 0; x + 1 < n[0]; ++x)
+    for (int y = 0; y + 1 < n[1]; ++y)
+      for (int z = 0; z + 1 < n[2]; ++z) {
+        const int a = id(x, y, z), g = id(x + 1, y + 1, z + 1);
+        const std::array<int, 6> around{id(x + 1, y, z),     id(x + 1, y + 1, z), id(x, y + 1, z),
+                                        id(x, y + 1, z + 1), id(x, y, z + 1),     id(x + 1, y, z + 1)};
+        for (int k = 0; k < 6; ++k) in_tetrahedron({a, around[k], around[(k + 1) % 6], g});
+      }
   return soup;
 }
 

@@ -1,5 +1,6 @@
 // Small shapes with known answers, made by code: the oracles of the unit and pipeline tests.
 #pragma once
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -75,5 +76,9 @@ TriangleSoup sphere(int n, double radius = 1);
 TriangleSoup box(int n, const Vector3& size);
 /// Closed cylinder: wall and two caps with creases of 90 degrees.
 TriangleSoup closed_cylinder(int around, int along, double r = 1, double height = 2);
+/// Where f is zero in the box -half .. half, by marching tetrahedra over a grid of n points a side: creases
+/// of f come out as chamfers with steps, as volumes turned into meshes have them. Faces look to larger f.
+TriangleSoup isosurface(const std::function<double(const Vector3&)>& f, const Vector3& half,
+                        const std::array<int, 3>& n);
 
 }  // namespace sheetform::shapes

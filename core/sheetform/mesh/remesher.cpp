@@ -154,19 +154,38 @@ bool Remesher::shortens(Half h, const Vector3& p) const {
   return true;
 }
 
+// Whether no face, were the edge split at `p`, turns over or becomes a sliver that it would not be with the
+// middle: a bend of the line may lie at the third vertex of a face, or beyond.
+bool Remesher::keeps_faces(Half h, const Vector3& p) const {
+  const Vector3 &a = point(mesh_.from_vertex_handle(h)), &b = point(mesh_.to_vertex_handle(h)),
+                middle = (a + b) / 2;
+  double before = 1, after = 1;
+  for (const Half side : {h, mesh_.opposite_halfedge_handle(h)}) {
+    if (mesh_.is_boundary(side)) continue;
+    const Vector3& c = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(side)));
+    before = std::min({before, fatness(a, middle, c), fatness(middle, b, c)});
+    after = std::min({after, fatness(a, p, c), fatness(p, b, c)});
+    const Vector3 old = (b - a).cross(c - a);
+    for (const Vector3& now : {Vector3((p - a).cross(c - a)), Vector3((b - p).cross(c - p))})
+      if (before > 1e-3 && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
+  }
+  return after > kThin || after >= before;
+}
+
 void Remesher::split(Edge e) {
   const Half h = mesh_.halfedge_handle(e, 0);
   const Vertex a = mesh_.from_vertex_handle(h), b = mesh_.to_vertex_handle(h);
   const int on = line(e);
   Vector3 p = (point(a) + point(b)) / 2;
   if (on >= 0) {
-    p = lines_.project(on, p);
+    const Vector3 q = lines_.project(on, p);
+    if (keeps_faces(h, q)) p = q;
   } else {
     Vector3 normal = Vector3::Zero();
     for (const Half side : {h, mesh_.opposite_halfedge_handle(h)})
       if (!mesh_.is_boundary(side)) normal += raw_normal(mesh_.face_handle(side));
     const Vector3 q = on_surface(p, normal);
-    if (shortens(h, q)) p = q;
+    if (shortens(h, q) && keeps_faces(h, q)) p = q;
   }
   const Vertex v = add_vertex(p, on >= 0 ? kOnLine : kFree);
   mesh_.split(e, v);

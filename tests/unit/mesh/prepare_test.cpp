@@ -120,6 +120,24 @@ TEST(Prepare, JaggedBordersDoNotKeepEveryJag) {
   EXPECT_LT(out.mesh.face_count(), 500);
 }
 
+// A plate of seven lobes as a volume gives it: along its rims creases go by steps, and part at small angles.
+// Where the bend of one was removed, its edge must not be split there again, in line with the corner of
+// another: faces lay flat between the two, and no strips have such a part.
+TEST(Prepare, CreasesThatGoByStepsLeaveNoFlatFaces) {
+  const SurfaceMesh plate = build(shapes::isosurface(
+      [](const Vector3& p) {
+        const double rim = 0.75 + 0.25 * std::cos(7 * std::atan2(p.y(), p.x()));
+        return std::max(std::abs(p.z()) - 0.16, std::hypot(p.x(), p.y()) - rim);
+      },
+      {1.1, 1.1, 0.25}, {16, 16, 5}));
+  const double diagonal = bounding_box_diagonal(plate.points);
+  for (double length : {0.018, 0.02, 0.022, 0.025, 0.028}) {
+    const PreparedMesh out = prepare(plate, detect_creases(plate, 40), length * diagonal, {});
+    EXPECT_TRUE(out.remeshed);
+    EXPECT_GT(least_angle(out.mesh), 0.5) << length;
+  }
+}
+
 // Areas that the border loops enclose, the smallest first.
 std::vector<double> loop_areas(const SurfaceMesh& m) {
   std::vector<double> areas;
