@@ -19,7 +19,7 @@ using certificate::Surface;
 // The largest distance is found to this fraction of the diagonal.
 constexpr double kFinest = 2e-5;
 // Splits each way, once what was promised is proven: enough to find the largest distance at 2 %.
-constexpr int kFewSplits = 30000;
+constexpr int kFewSplits = 20000;
 // Where only places beyond a limit are asked for, what is known to be nearer than this share of it is not
 // measured exactly.
 constexpr double kSettled = 0.6;

@@ -102,7 +102,7 @@ std::vector<OneWayDistance::Hit> OneWayDistance::hits_of(const std::vector<AreaS
   std::vector<Hit> out;
   for (int i = 0; i < n; ++i) {
     keep(samples[i].point, samples[i].face, hits[i]);
-    out.push_back({hits[i].face, std::sqrt(hits[i].squared_distance)});
+    out.push_back({hits[i].face, std::sqrt(hits[i].squared_distance), hits[i].point});
   }
   return out;
 }
@@ -123,12 +123,15 @@ std::vector<OneWayDistance::Hit> OneWayDistance::vertex_hits(const std::vector<i
   return out;
 }
 
-// Two bounds: the distance to any one face is convex, so over the piece it is largest at a corner; and no
-// point is farther than the farthest corner by more than its way to a corner.
+// Two bounds. The distance to any one face is convex, so over the piece it is largest at a corner. And a
+// point x = sum w_k p_k of the piece is no farther from the nearest of the hits y_k than in their mean
+// square, sum w_k |x - y_k|^2 = |x - y|^2 + sum w_k |y - y_k|^2 with y = sum w_k y_k: the first of these is
+// at most the farthest corner's, the second the squared cover radius of the hits.
 double OneWayDistance::bound_of(const Piece& piece) const {
   double farthest = 0;
   for (const Hit& h : piece.hits) farthest = std::max(farthest, h.distance);
-  double bound = std::min(piece.bound, farthest + cover_radius(piece.corners));
+  const double spread = cover_radius({piece.hits[0].point, piece.hits[1].point, piece.hits[2].point});
+  double bound = std::min(piece.bound, std::hypot(farthest, spread));
   for (int k = 0; k < 3; ++k) {
     const int face = piece.hits[k].face;
     if (face < 0 || (k > 0 && face == piece.hits[k - 1].face)) continue;
@@ -162,7 +165,7 @@ OneWayDistance::Probe OneWayDistance::split(const Piece& piece, std::array<Piece
   halves = {piece, piece};
   for (int i = 0; i < 2; ++i) {
     halves[i].corners[(side + i) % 3] = probe.point;
-    halves[i].hits[(side + i) % 3] = {probe.hit.face, std::sqrt(probe.hit.squared_distance)};
+    halves[i].hits[(side + i) % 3] = {probe.hit.face, std::sqrt(probe.hit.squared_distance), probe.hit.point};
     halves[i].bound = bound_of(halves[i]);
   }
   return probe;

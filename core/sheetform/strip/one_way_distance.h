@@ -72,6 +72,7 @@ class OneWayDistance {
   struct Hit {
     int face = -1;  // of the other surface
     double distance = 0;
+    Vector3 point = Vector3::Zero();  // of that face
   };
   struct Piece;
   struct Probe;
