@@ -141,6 +141,21 @@ TEST(Parameters, FewerSidesAreKeptTo) {
   for (const auto& p : d.strips.patches) EXPECT_LE(p.corners.size(), 4u);
 }
 
+// Paths cross at right angles and leave no triangles: what has four corners is cut from one to another.
+TEST(Parameters, TrianglesAreFew) {
+  const TriangleSoup dome = shapes::grid({30, 30}, [](double u, double v) {
+    return Vector3(u, v, 0.3 * std::cos(3 * u - 1.5) * std::cos(3 * v - 1.5));
+  });
+  DecomposeParams params = with_e_max(0.01);
+  params.max_sides = 3;
+  for (const TriangleSoup& soup : {shapes::cylinder(48, 16), dome}) {
+    const Decomposition d = run(soup, params, 2);
+    expect_sound(soup, d);
+    for (const auto& p : d.strips.patches) EXPECT_LE(p.corners.size(), 3u);
+    EXPECT_LE(d.strips.patches.size(), 8u);
+  }
+}
+
 TEST(Parameters, CreasesCanBeSwitchedOff) {
   const TriangleSoup soup = shapes::closed_cylinder(48, 12);
   DecomposeParams params;

@@ -102,7 +102,8 @@ std::vector<int> LayoutSearch::topologically_bad() {
   std::vector<int> bad;
   for (int p = 0; p < static_cast<int>(layout().patches.size()); ++p) {
     const Patch& patch = layout_.patches[p];
-    if (patch.defect != TopologyDefect::kNone || combinatorial_corners(patch) > params_.evaluation.max_sides)
+    if (patch.defect != TopologyDefect::kNone ||
+        (paths_share_corners() && combinatorial_corners(patch) > params_.evaluation.max_sides))
       bad.push_back(p);
   }
   return bad;
@@ -230,6 +231,14 @@ void LayoutSearch::reject(const std::vector<int>& patches) {
   for (int p : patches) evaluator_->reject(layout().patches[p]);
 }
 
+// Those of these patches whose only fault are their corners.
+std::vector<int> LayoutSearch::with_corners_to_share(const std::vector<int>& patches) {
+  std::vector<int> some;
+  for (int p : patches)
+    if (evaluator_->patch(layout(), p)->verdict == PatchVerdict::kTooManySides) some.push_back(p);
+  return some;
+}
+
 // Patches that break a rule alone, or, when none does, in the global morph.
 std::vector<int> LayoutSearch::geometrically_bad() {
   std::vector<int> bad;
@@ -252,6 +261,8 @@ int LayoutSearch::insert_for_geometry() {
     if (bad.empty()) return round;
     stuck = static_cast<int>(bad.size()) < last_failing ? 0 : stuck + 1;
     last_failing = static_cast<int>(bad.size());
+    if (!paths_share_corners() && split(with_corners_to_share(bad), PatchVerdict::kTooManySides) > 0)
+      continue;
     if (stuck < 8 && insert_best(bad)) continue;
     if (split(bad, PatchVerdict::kError) == 0) return round;
   }

@@ -113,6 +113,9 @@ class LayoutSearch {
   void changed() { layout_valid_ = evaluation_valid_ = false; }
   std::vector<int> topologically_bad();
   std::vector<int> geometrically_bad();
+  std::vector<int> with_corners_to_share(const std::vector<int>& patches);
+  /// Paths cross at right angles: no triangles come of them.
+  bool paths_share_corners() const { return params_.evaluation.max_sides > 3; }
   int insert_for_geometry();
   bool insert_best(const std::vector<int>& bad);
   double priority(const Path& path, int patch) const;

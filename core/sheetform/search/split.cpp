@@ -14,7 +14,8 @@ namespace sheetform {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFromEnds = 0.3;  // see WantedCut::margin
+constexpr double kFromEnds = 0.3, kFromMiddles = 0.1;  // see WantedCut::margin
+constexpr std::size_t kManyCorners = 10;               // an outline that has more winds
 using Queue =
     std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>;
 
@@ -196,10 +197,16 @@ class ChartCutter {
   const std::vector<int>& loop() const { return loop_; }
   const Vector2& uv(int place) const { return chart_.uv[loop_[place]]; }
   int places() const { return static_cast<int>(loop_.size()); }
-  // Of the outline from place a on to b, a < b, and of the rest.
-  std::vector<Vector2> middles(int a, int b) const {
-    const int n = places(), half = (b - a) / 2;
-    return {uv(a + half), uv((b + (n - 2 * half) / 2) % n)};
+  // Halfway on the outline from place a on to b, a < b, and halfway on from b to a.
+  std::pair<int, int> middles(int a, int b) const {
+    const int n = places();
+    return {a + (b - a) / 2, (b + (n - b + a) / 2) % n};
+  }
+  int nearest_place(const Vector2& u) const {
+    int nearest = 0;
+    for (int p = 1; p < places(); ++p)
+      if ((uv(p) - u).squaredNorm() < (uv(nearest) - u).squaredNorm()) nearest = p;
+    return nearest;
   }
 
   std::vector<int> cut(const WantedCut& wanted) const {
@@ -352,6 +359,16 @@ std::vector<Vector2> between_corners(const PatchEvaluation& e) {
   return line;
 }
 
+// The two parts of the outline between the ends of the line have to come to different sides: it may leave a
+// winding chart, and a corner cut off at one of its ends would be a shorter cut.
+void keep_apart(const ChartCutter& cutter, WantedCut& wanted) {
+  const auto [a, b] =
+      std::minmax({cutter.nearest_place(wanted.line.front()), cutter.nearest_place(wanted.line.back())});
+  std::tie(wanted.avoid_b, wanted.avoid_a) = cutter.middles(a, b);
+  if (cutter.nearest_place(wanted.line.front()) != a) std::swap(wanted.line.front(), wanted.line.back());
+  wanted.margin = kFromMiddles;
+}
+
 // Two places of the loop that stand for the same mesh vertex (or the two sides of a seam), -1 if none.
 std::pair<int, int> double_place(const ChartCutter& cutter, const PatchChart& chart) {
   std::vector<std::pair<int, int>> seen;
@@ -374,7 +391,8 @@ WantedCut through_the_middle(const SurfaceMesh& mesh, const ChartCutter& cutter,
       const double d = (at(a) - at(b)).squaredNorm();
       if (d > farthest) farthest = d, wanted.avoid_a = a, wanted.avoid_b = b;
     }
-  wanted.line = cutter.middles(wanted.avoid_a, wanted.avoid_b);
+  const auto [a, b] = cutter.middles(wanted.avoid_a, wanted.avoid_b);
+  wanted.line = {cutter.uv(a), cutter.uv(b)};
   wanted.margin = kFromEnds;
   return wanted;
 }
@@ -501,7 +519,8 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
   if (p.defect != TopologyDefect::kNone) {
     std::tie(wanted.avoid_a, wanted.avoid_b) = double_place(cutter, *chart);
     if (wanted.avoid_a >= 0) {
-      wanted.line = cutter.middles(wanted.avoid_a, wanted.avoid_b);
+      const auto [a, b] = cutter.middles(wanted.avoid_a, wanted.avoid_b);
+      wanted.line = {cutter.uv(a), cutter.uv(b)};
       const std::vector<int> edges = cutter.cut(wanted);
       if (!edges.empty()) return edges;
       wanted.avoid_a = wanted.avoid_b = -1;
@@ -512,8 +531,14 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
     if (!edges.empty()) return edges;
   }
   if (evaluation.verdict == PatchVerdict::kError) wanted.line = across_rulings(evaluation);
-  if (evaluation.verdict == PatchVerdict::kTooManySides) wanted.line = between_corners(evaluation);
+  if (evaluation.verdict == PatchVerdict::kTooManySides) {
+    wanted.line = between_corners(evaluation);
+    if (!wanted.line.empty() && evaluation.corners.size() > kManyCorners) keep_apart(cutter, wanted);
+  }
   if (wanted.line.empty()) wanted.line = across_longer_axis(*chart);
+  std::vector<int> edges = cutter.cut(wanted);
+  if (!edges.empty() || wanted.avoid_a < 0) return edges;
+  wanted.avoid_a = wanted.avoid_b = -1;
   return cutter.cut(wanted);
 }
 

@@ -231,6 +231,24 @@ TEST(SplitPatch, CutsAQuadIntoTwoTriangles) {
   }
 }
 
+// The line that shares the corners of a winding patch leaves it: what comes off may not be a face at its end.
+TEST(SplitPatch, HalvesWindingPatches) {
+  for (const char* text :
+       {"AAAAAAA/......A/AAAAAAA/A....../AAAAAAA/......A/AAAAAAA", "A.A.A.A.A/A.A.A.A.A/AAAAAAAAA/A.A.A.A.A",
+        "AAAAAAAAA/A......../A.AAAAAAA/A.A.....A/A.A.AAA.A/A.A...A.A/A.AAAAA.A/A.......A/AAAAAAAAA"}) {
+    Splitter s(drawn(text));
+    EvaluationParams params = evaluation_params(0.02);
+    params.max_sides = 3;
+    Evaluated e(s.mesh, params);
+    const auto winding = e.evaluator.patch(s.layout(), 0);
+    ASSERT_GT(winding->corners.size(), 10u) << text;
+    ASSERT_FALSE(s.split(0, *winding).empty());
+    const PatchLayout after = s.layout();
+    ASSERT_EQ(after.patches.size(), 2u);
+    for (const Patch& p : after.patches) EXPECT_GT(p.area, 0.15 * surface_area(s.mesh)) << text;
+  }
+}
+
 Canvas dome_canvas(double k) {
   Canvas dome;
   dome.steps = 20;
