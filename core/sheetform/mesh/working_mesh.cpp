@@ -54,7 +54,7 @@ bool loses_detail(const SurfaceMesh& input, const ClosestPointTree& input_tree, 
 // smaller ones it is less.
 constexpr double kSliver = 5e-4, kSliverSize = 0.2;
 // Width of a region between creases that no part needs to have of its own, in tolerances.
-constexpr double kNarrow = 0.25;
+constexpr double kNarrow = 0.5;
 // What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
 // away: the rest could not hold what was left out.
 constexpr double kMostNoise = 0.7;
