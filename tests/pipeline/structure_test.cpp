@@ -109,6 +109,16 @@ TEST(Structure, BoxIsItsSixFaces) {
   for (const auto& p : d.strips.patches) EXPECT_TRUE(p.rulings.empty()) << "a flat face is not folded";
 }
 
+// A box as a volume gives it: along its edges run narrow facets, which are no parts.
+TEST(Structure, ChamfersOfAVolumeAreNoParts) {
+  const TriangleSoup box =
+      shapes::isosurface([](const Vector3& p) { return (p.cwiseAbs() - Vector3(0.8, 0.5, 0.3)).maxCoeff(); },
+                         {1, 0.7, 0.5}, {25, 18, 13});
+  const Decomposition d = run(box, with_e_max(0.07), 2);
+  expect_sound(box, d);
+  EXPECT_LE(d.strips.patches.size(), 6u);
+}
+
 TEST(Structure, PlaneIsOneSheet) {
   const TriangleSoup soup = shapes::plane(20);
   const Decomposition d = run(soup);
