@@ -22,6 +22,7 @@ constexpr double kStepLoss =
     0.05;  // of the wanted length: the same for one step of relaxation (tips would melt away)
 constexpr double kShorter = 0.9;  // of a split edge: how long its halves may be
 constexpr double kThin = 0.1;     // height / longest side; 0.87 is equilateral
+constexpr double kFlat = 1e-3;    // the same, of what says nothing about the surface
 
 // Height over the longest side, divided by that side.
 double fatness(const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -154,22 +155,32 @@ bool Remesher::shortens(Half h, const Vector3& p) const {
   return true;
 }
 
-// Whether no face, were the edge split at `p`, turns over or becomes a sliver that it would not be with the
-// middle: a bend of the line may lie at the third vertex of a face, or beyond.
-bool Remesher::keeps_faces(Half h, const Vector3& p) const {
-  const Vector3 &a = point(mesh_.from_vertex_handle(h)), &b = point(mesh_.to_vertex_handle(h)),
-                middle = (a + b) / 2;
-  double before = 1, after = 1;
+// Fatness of the thinnest face there would be, were the edge split at `p`.
+double Remesher::thinnest(Half h, const Vector3& p) const {
+  double least = 1;
   for (const Half side : {h, mesh_.opposite_halfedge_handle(h)}) {
     if (mesh_.is_boundary(side)) continue;
     const Vector3& c = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(side)));
-    before = std::min({before, fatness(a, middle, c), fatness(middle, b, c)});
-    after = std::min({after, fatness(a, p, c), fatness(p, b, c)});
+    for (const Vertex v : {mesh_.from_vertex_handle(h), mesh_.to_vertex_handle(h)})
+      least = std::min(least, fatness(point(v), p, c));
+  }
+  return least;
+}
+
+// Whether no face, were the edge split at `p`, turns over or becomes a sliver that it would not be with the
+// middle: a bend of the line may lie at the third vertex of a face, or beyond.
+bool Remesher::keeps_faces(Half h, const Vector3& p) const {
+  const Vector3 &a = point(mesh_.from_vertex_handle(h)), &b = point(mesh_.to_vertex_handle(h));
+  const double before = thinnest(h, (a + b) / 2), after = thinnest(h, p);
+  if (after <= kThin && after < before) return false;
+  for (const Half side : {h, mesh_.opposite_halfedge_handle(h)}) {
+    if (mesh_.is_boundary(side) || before <= kFlat) continue;
+    const Vector3& c = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(side)));
     const Vector3 old = (b - a).cross(c - a);
     for (const Vector3& now : {Vector3((p - a).cross(c - a)), Vector3((b - p).cross(c - p))})
-      if (before > 1e-3 && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
+      if (now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
   }
-  return after > kThin || after >= before;
+  return true;
 }
 
 void Remesher::split(Edge e) {
@@ -185,7 +196,7 @@ void Remesher::split(Edge e) {
     for (const Half side : {h, mesh_.opposite_halfedge_handle(h)})
       if (!mesh_.is_boundary(side)) normal += raw_normal(mesh_.face_handle(side));
     const Vector3 q = on_surface(p, normal);
-    if (shortens(h, q) && keeps_faces(h, q)) p = q;
+    if (shortens(h, q) && thinnest(h, q) > kFlat) p = q;
   }
   const Vertex v = add_vertex(p, on >= 0 ? kOnLine : kFree);
   mesh_.split(e, v);
@@ -292,7 +303,7 @@ bool Remesher::keeps_shape(Half h) const {
     before = std::min(before, fatness(point(gone), point(v), point(w)));
     if (v == stays || w == stays) continue;
     const Vector3 now = (point(v) - p).cross(point(w) - p);
-    const bool flat = fatness(point(gone), point(v), point(w)) < 1e-3;
+    const bool flat = fatness(point(gone), point(v), point(w)) < kFlat;
     const Vector3& reference = flat ? around : old;
     if (now.dot(reference) <= 0.3 * now.norm() * reference.norm()) return false;
     after = std::min(after, fatness(p, point(v), point(w)));
@@ -426,7 +437,7 @@ bool Remesher::move(Vertex v, const Vector3& to) {
     const Vector3 old = (a - from).cross(b - from), now = (a - to).cross(b - to);
     before = std::min(before, fatness(from, a, b));
     after = std::min(after, fatness(to, a, b));
-    if (before > 1e-3 && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
+    if (before > kFlat && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
   }
   if ((after < kThin && after < before) || lost > kStepLoss * length_) return false;
   points_[static_cast<std::size_t>(v.idx())] = to;

@@ -39,6 +39,7 @@ class Remesher {
   double longest_allowed(Edge e) const;
   void split(Edge e);
   bool shortens(Half h, const Vector3& p) const;
+  double thinnest(Half h, const Vector3& p) const;
   bool keeps_faces(Half h, const Vector3& p) const;
   Half best_collapse(Edge e, bool first);
   bool may_collapse(Half h);
