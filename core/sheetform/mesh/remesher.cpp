@@ -30,6 +30,11 @@ double fatness(const Vector3& a, const Vector3& b, const Vector3& c) {
   return longest2 > 0 ? (b - a).cross(c - a).norm() / longest2 : 0;
 }
 
+// Of normals, of any length.
+bool turns_over(const Vector3& old, const Vector3& now) {
+  return now.dot(old) <= 0.3 * now.norm() * old.norm();
+}
+
 double distance_to_segment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 d = b - a;
   const double length2 = d.squaredNorm();
@@ -173,12 +178,12 @@ bool Remesher::keeps_faces(Half h, const Vector3& p) const {
   const Vector3 &a = point(mesh_.from_vertex_handle(h)), &b = point(mesh_.to_vertex_handle(h));
   const double before = thinnest(h, (a + b) / 2), after = thinnest(h, p);
   if (after <= kThin && after < before) return false;
+  if (before <= kFlat) return true;
   for (const Half side : {h, mesh_.opposite_halfedge_handle(h)}) {
-    if (mesh_.is_boundary(side) || before <= kFlat) continue;
+    if (mesh_.is_boundary(side)) continue;
     const Vector3& c = point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(side)));
     const Vector3 old = (b - a).cross(c - a);
-    for (const Vector3& now : {Vector3((p - a).cross(c - a)), Vector3((b - p).cross(c - p))})
-      if (now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
+    if (turns_over(old, (p - a).cross(c - a)) || turns_over(old, (b - p).cross(c - p))) return false;
   }
   return true;
 }
@@ -305,7 +310,7 @@ bool Remesher::keeps_shape(Half h) const {
     const Vector3 now = (point(v) - p).cross(point(w) - p);
     const bool flat = fatness(point(gone), point(v), point(w)) < kFlat;
     const Vector3& reference = flat ? around : old;
-    if (now.dot(reference) <= 0.3 * now.norm() * reference.norm()) return false;
+    if (turns_over(reference, now)) return false;
     after = std::min(after, fatness(p, point(v), point(w)));
   }
   return (after > kThin || after >= before) && loss(h) < kLoss * length_;
@@ -437,7 +442,7 @@ bool Remesher::move(Vertex v, const Vector3& to) {
     const Vector3 old = (a - from).cross(b - from), now = (a - to).cross(b - to);
     before = std::min(before, fatness(from, a, b));
     after = std::min(after, fatness(to, a, b));
-    if (before > kFlat && now.dot(old) <= 0.3 * now.norm() * old.norm()) return false;
+    if (before > kFlat && turns_over(old, now)) return false;
   }
   if ((after < kThin && after < before) || lost > kStepLoss * length_) return false;
   points_[static_cast<std::size_t>(v.idx())] = to;

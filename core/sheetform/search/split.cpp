@@ -202,6 +202,11 @@ class ChartCutter {
     const int n = places();
     return {a + (b - a) / 2, (b + (n - b + a) / 2) % n};
   }
+  // From one of these to the other: places a and b are on different sides.
+  std::vector<Vector2> line_between(int a, int b) const {
+    const auto [from, to] = middles(a, b);
+    return {uv(from), uv(to)};
+  }
   int nearest_place(const Vector2& u) const {
     int nearest = 0;
     for (int p = 1; p < places(); ++p)
@@ -362,10 +367,9 @@ std::vector<Vector2> between_corners(const PatchEvaluation& e) {
 // The two parts of the outline between the ends of the line have to come to different sides: it may leave a
 // winding chart, and a corner cut off at one of its ends would be a shorter cut.
 void keep_apart(const ChartCutter& cutter, WantedCut& wanted) {
-  const auto [a, b] =
-      std::minmax({cutter.nearest_place(wanted.line.front()), cutter.nearest_place(wanted.line.back())});
+  int a = cutter.nearest_place(wanted.line.front()), b = cutter.nearest_place(wanted.line.back());
+  if (b < a) std::swap(a, b), std::swap(wanted.line.front(), wanted.line.back());
   std::tie(wanted.avoid_b, wanted.avoid_a) = cutter.middles(a, b);
-  if (cutter.nearest_place(wanted.line.front()) != a) std::swap(wanted.line.front(), wanted.line.back());
   wanted.margin = kFromMiddles;
 }
 
@@ -391,8 +395,7 @@ WantedCut through_the_middle(const SurfaceMesh& mesh, const ChartCutter& cutter,
       const double d = (at(a) - at(b)).squaredNorm();
       if (d > farthest) farthest = d, wanted.avoid_a = a, wanted.avoid_b = b;
     }
-  const auto [a, b] = cutter.middles(wanted.avoid_a, wanted.avoid_b);
-  wanted.line = {cutter.uv(a), cutter.uv(b)};
+  wanted.line = cutter.line_between(wanted.avoid_a, wanted.avoid_b);
   wanted.margin = kFromEnds;
   return wanted;
 }
@@ -519,8 +522,7 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
   if (p.defect != TopologyDefect::kNone) {
     std::tie(wanted.avoid_a, wanted.avoid_b) = double_place(cutter, *chart);
     if (wanted.avoid_a >= 0) {
-      const auto [a, b] = cutter.middles(wanted.avoid_a, wanted.avoid_b);
-      wanted.line = {cutter.uv(a), cutter.uv(b)};
+      wanted.line = cutter.line_between(wanted.avoid_a, wanted.avoid_b);
       const std::vector<int> edges = cutter.cut(wanted);
       if (!edges.empty()) return edges;
       wanted.avoid_a = wanted.avoid_b = -1;
