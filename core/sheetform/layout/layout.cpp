@@ -41,7 +41,7 @@ class Extractor {
     out_.edge_arch.assign(mesh_.edges.size(), -1);
     if (!std::is_sorted(faces.begin(), faces.end())) std::sort(faces.begin(), faces.end());
     for (int f : faces) flood(f);
-    outline_.resize(out_.patches.size());
+    outline_.resize(out_.patches.size()), moves_.assign(out_.patches.size(), 0);
     for (int f : faces) collect(f);
     mark_nodes();
     chain_arches();
@@ -82,6 +82,8 @@ class Extractor {
     patch.area += mesh_.face_normal_raw(f).norm() / 2;
     for (int k = 0; k < 3; ++k)
       if (net_.used(mesh_.face_edges[f][k])) outline_[id].push_back({f, k});
+    for (int v : mesh_.faces[f])
+      if (versions_[v] != 0) moves_[id] += mix(v, versions_[v]);
   }
 
   void mark_nodes() {
@@ -255,7 +257,7 @@ class Extractor {
     Patch& patch = out_.patches[p];
     const bool disk = patch.loops == 1 && euler(p) == 1;
     patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
-    patch.key = mix(patch.faces.size(), static_cast<std::uint64_t>(patch.loops));
+    patch.key = mix(patch.faces.size() + moves_[p], static_cast<std::uint64_t>(patch.loops));
     for (const ArchUse& use : patch.boundary) {
       const std::vector<int>& line = out_.arches[use.arch].vertices;
       const char start =
@@ -302,6 +304,7 @@ class Extractor {
   const LayoutRules& rules_;
   PatchLayout out_;
   std::vector<std::vector<HalfEdge>> outline_;  // by patch, ascending
+  std::vector<std::uint64_t> moves_;            // by patch: a hash of where its vertices have moved to
   std::vector<char> seen_;
   std::vector<int> stamps_;
 };

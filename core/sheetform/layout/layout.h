@@ -77,7 +77,8 @@ struct Patch {
   int loops = 0;
   TopologyDefect defect = TopologyDefect::kNone;
   double area = 0;
-  std::uint64_t key = 0;  ///< equal keys = same patch, same boundary, same vertex versions
+  std::uint64_t key =
+      0;  ///< equal keys = same patch, same boundary, all of its vertices at the same versions
 };
 
 struct PatchLayout {

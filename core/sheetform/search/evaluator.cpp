@@ -347,8 +347,6 @@ double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& tr
   return std::sqrt(best);
 }
 
-constexpr std::size_t kCacheLimit = 1500;  // some hundred kilobytes each
-
 std::shared_ptr<const PatchEvaluation> as_rejected(const PatchEvaluation& e) {
   auto copy = std::make_shared<PatchEvaluation>(e);
   if (copy->viable()) copy->verdict = PatchVerdict::kError;
@@ -410,7 +408,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::patch(const PatchLayout&
   auto result = compute(layout, patch, params_.ruling, nullptr);
   const std::lock_guard lock(mutex_);
   ++counts_.evaluations;
-  if (cache_.size() >= kCacheLimit) {  // what nobody holds can be computed again
+  if (cache_.size() >= params_.remembered) {  // what nobody holds can be computed again
     for (auto it = cache_.begin(); it != cache_.end();)
       it = it->second.use_count() == 1 ? cache_.erase(it) : std::next(it);
   }

@@ -1,6 +1,7 @@
 // Whether a layout is viable, and how well it fits: topology, charts, rulings, the morph (paper 3.3).
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -72,6 +73,7 @@ struct EvaluationParams {
   double normal_deviation = 0;  ///< degrees; 0 = no criterion
   RulingParams ruling;
   MorphParams morph;
+  std::size_t remembered = 1500;  ///< evaluations, some hundred kilobytes each; results do not depend on it
 };
 
 enum class PatchVerdict : char {

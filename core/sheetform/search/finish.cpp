@@ -80,6 +80,7 @@ FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, c
     : surface_(surface),
       network_(network),
       layout_(layout),
+      searched_(charts.patches(layout)),
       evaluator_(surface, evaluation, context, &charts),
       context_(context),
       level_(layout.patches.size(), 0),

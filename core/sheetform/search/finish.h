@@ -43,6 +43,8 @@ class FinalPass {
   const SearchSurface& surface_;
   const PathNetwork& network_;
   const PatchLayout& layout_;
+  /// As the search knows them. Held: what was forgotten there would get other corners here.
+  std::vector<Evaluation> searched_;
   LayoutEvaluator evaluator_;
   RunContext& context_;
   std::vector<int> level_;

@@ -335,7 +335,7 @@ TEST(ExtractLayout, LoopThroughOneNodeIsAClosedArchThatStartsThere) {
   EXPECT_EQ(rims, 2);
 }
 
-TEST(ExtractLayout, KeysChangeWithTheVersionsOfTheOutlineAndNothingElse) {
+TEST(ExtractLayout, KeysChangeWithTheVersionsOfTheOutline) {
   Drawing d = drawn("AAB/AAC");
   const PatchLayout before = d.layout();
   ++d.versions[d.mesh.edges[d.line(2, 0, 2, 1)[1]].v0];  // inside the arch between A and B
@@ -350,6 +350,26 @@ TEST(ExtractLayout, KeysChangeWithTheVersionsOfTheOutlineAndNothingElse) {
   for (std::size_t a = 0; a < before.arches.size(); ++a)
     changed += before.arches[a].key != after.arches[a].key;
   EXPECT_EQ(changed, 1);
+}
+
+TEST(ExtractLayout, KeysChangeWithTheVersionsInside) {
+  Drawing d = drawn("AAB/AAC");
+  const PatchLayout before = d.layout();
+  std::vector<int> inner;
+  for (int v = 0; v < d.mesh.vertex_count(); ++v)
+    if (before.node[v] == PatchLayout::kNone && network_degree(d.mesh, d.network, v) == 0) inner.push_back(v);
+  for (int v : inner) {
+    ++d.versions[v];
+    const PatchLayout after = d.layout();
+    int changed = 0;
+    for (std::size_t p = 0; p < before.patches.size(); ++p)
+      changed += before.patches[p].key != after.patches[p].key;
+    EXPECT_EQ(changed, 1);
+    for (std::size_t a = 0; a < before.arches.size(); ++a)
+      EXPECT_EQ(before.arches[a].key, after.arches[a].key);
+    --d.versions[v];
+  }
+  EXPECT_FALSE(inner.empty());
 }
 
 TEST(ExtractLayout, KeysOfDifferentPatchesDiffer) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -192,6 +193,36 @@ TEST(DecomposeComponent, GivesTheSameTwice) {
   EXPECT_EQ(a.strips.points, b.strips.points);
   EXPECT_EQ(a.strips.uvs, b.strips.uvs);
   EXPECT_EQ(a.distance, b.distance);
+}
+
+// Which evaluations are forgotten depends on the threads.
+TEST(DecomposeComponent, GivesTheSameWhereEvaluationsAreForgotten) {
+  TriangleSoup lumpy = shapes::sphere(14);
+  for (Vector3& p : lumpy.points)
+    p *= 1 + 0.3 * std::sin(4 * p.x()) * std::sin(4 * p.y() + 1) * std::cos(4 * p.z());
+  const ComponentInput input = input_of(lumpy);
+  RunContext context;
+  ComponentParams params = params_of(0.03);
+  const ComponentResult a = decompose_component(input, params, context);
+  params.evaluation.remembered = 1;
+  const ComponentResult b = decompose_component(input, params, context);
+  EXPECT_EQ(a.strips.points, b.strips.points);
+  EXPECT_EQ(a.strips.uvs, b.strips.uvs);
+  EXPECT_GT(b.counts.evaluations, 1.2 * a.counts.evaluations);
+}
+
+// Its corners are those of the search, also where that has forgotten the patch.
+TEST(FinalPass, HoldsWhatTheSearchKnows) {
+  EvaluationParams params;
+  params.e_max = 0.03;
+  Searched s(shapes::torus(48, 24), params.e_max);
+  s.search->insert();
+  params.remembered = 1;
+  LayoutEvaluator forgetful(s.bed.surface, params, s.bed.context);
+  params.spacing /= 2;
+  const FinalPass pass(s.bed.surface, s.search->network().network(), s.search->layout(), params, forgetful,
+                       s.bed.context);
+  for (const Patch& patch : s.search->layout().patches) EXPECT_TRUE(forgetful.known(patch));
 }
 
 }  // namespace
