@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "sheetform/search/chord_book.h"
 #include "sheetform/search/outline_samples.h"
 #include "sheetform/search/patch_tilt.h"
 #include "sheetform/search/plane_join.h"
@@ -20,6 +21,7 @@ constexpr double kOutlineSlide = 0.0;
 constexpr double kStiffness = 8e-3;
 constexpr double kMostFolded = 0.05;  // of a chart's area: there may be small bumps
 constexpr int kNarrowFaces = 12;
+constexpr int kMostClashes = 6;        // times that rulings are looked for anew
 constexpr double kTurnAlongPath = 60;  // degrees: where a path bends more, a patch has a corner
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -219,6 +221,27 @@ void coverage_samples(const SearchSurface& surface, const PatchLayout& layout, c
   }
 }
 
+// Rulings whose chords are edges of their own, as far as the patch alone tells: where it is glued to itself
+// two may be the same edge.
+RulingSet distinct_rulings(const PatchPolygon& polygon, const ChartRaster& raster, const RulingParams& params,
+                           const std::function<bool(int, int)>* forbidden, const ChordBook& book,
+                           const std::vector<int>& unknowns) {
+  RulingSet rulings = best_rulings(polygon, raster, params, forbidden);
+  std::set<ChordBook::Pair> clashing;
+  const std::function<bool(int, int)> avoid = [&](int a, int b) {
+    return clashing.count(ChordBook::ordered(unknowns[a], unknowns[b])) > 0 ||
+           (forbidden != nullptr && (*forbidden)(a, b));
+  };
+  for (int attempt = 0; rulings.found; ++attempt) {
+    const std::set<ChordBook::Pair> bad = book.conflicts(rulings, unknowns);
+    if (bad.empty()) break;
+    if (attempt == kMostClashes) return rulings.found = false, rulings;
+    clashing.insert(bad.begin(), bad.end());
+    rulings = best_rulings(polygon, raster, params, &avoid);
+  }
+  return rulings;
+}
+
 std::uint64_t point_key(const PatchLayout& layout, const Patch& patch, const PatchPolygon::Origin& origin,
                         int samples) {
   const int a = patch.boundary[origin.use].arch;
@@ -235,6 +258,33 @@ bool outline_on_plane(const SearchSurface& surface, const PatchLayout& layout, c
   if (origin.sample == 0) return surface.on_plane(arch.vertices.front());
   if (origin.sample + 1 == static_cast<int>(samples[a].size())) return surface.on_plane(arch.vertices.back());
   return surface.on_plane(arch);
+}
+
+// Points of the outline as unknowns of a morph, those of a seam of the patch with itself once: by polygon
+// point.
+std::vector<int> number_outline(const SearchSurface& surface, const PatchLayout& layout, const Patch& patch,
+                                const std::vector<std::vector<double>>& samples, const PatchPolygon& polygon,
+                                MorphProblem& problem) {
+  const int n = polygon.size();
+  std::vector<std::pair<std::uint64_t, int>> keys(n);
+  for (int i = 0; i < n; ++i) {
+    const PatchPolygon::Origin& origin = polygon.origin[i];
+    const auto count = static_cast<int>(samples[patch.boundary[origin.use].arch].size());
+    keys[i] = {point_key(layout, patch, origin, count), i};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<int> unknown(n, -1);
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const int i = keys[k].second;
+    if (k == 0 || keys[k].first != keys[k - 1].first) {
+      problem.rest.push_back(polygon.point[i]);
+      problem.anchor.push_back(0.02);
+      if (!surface.plane.vertex.empty())
+        problem.on_plane.push_back(outline_on_plane(surface, layout, patch, polygon.origin[i], samples));
+    }
+    unknown[i] = static_cast<int>(problem.rest.size()) - 1;
+  }
+  return unknown;
 }
 
 // A crease gives way to the tolerance only where nothing else helps: an arch beside it is no crease.
@@ -477,38 +527,22 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
   if (chart->folded > kMostFolded || !simple_outline(e->polygon.uv, 0))
     return e->verdict = PatchVerdict::kFolded, e;
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
+  MorphProblem problem;  // of the patch alone: every outline point is free
+  const std::vector<int> unknown = number_outline(surface_, layout, patch, samples, e->polygon, problem);
+  const int n = e->polygon.size();
+  ChordBook alone(problem.on_plane);
+  for (int i = 0; i < n; ++i) alone.take_edge(unknown[i], unknown[(i + 1) % n]);
   ruling.e_max = params_.e_max;
   ruling.min_height = 0.03 * params_.spacing;
-  e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
+  e->rulings = distinct_rulings(e->polygon, raster, ruling, forbidden, alone, unknown);
   if (!e->rulings.found && static_cast<int>(patch.faces.size()) <= kNarrowFaces) {
     // Narrower than a cell of the raster: the outline alone has to do.
     ruling.keep_inside = false;
-    e->rulings = best_rulings(e->polygon, raster, ruling, forbidden);
+    e->rulings = distinct_rulings(e->polygon, raster, ruling, forbidden, alone, unknown);
   }
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
   chord_samples(raster, patch.area, *e);
   coverage_samples(surface_, layout, patch, raster, *e);
-
-  // The patch alone: every outline point is free.
-  MorphProblem problem;
-  const int n = e->polygon.size();
-  std::vector<std::pair<std::uint64_t, int>> keys(n);
-  for (int i = 0; i < n; ++i)
-    keys[i] = {point_key(layout, patch, e->polygon.origin[i],
-                         static_cast<int>(samples[patch.boundary[e->polygon.origin[i].use].arch].size())),
-               i};
-  std::sort(keys.begin(), keys.end());
-  std::vector<int> unknown(n, -1);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (i == 0 || keys[i].first != keys[i - 1].first) {
-      problem.rest.push_back(e->polygon.point[keys[i].second]);
-      problem.anchor.push_back(0.02);
-      if (!surface_.plane.vertex.empty())
-        problem.on_plane.push_back(
-            outline_on_plane(surface_, layout, patch, e->polygon.origin[keys[i].second], samples));
-    }
-    unknown[keys[i].second] = static_cast<int>(problem.rest.size()) - 1;
-  }
   for (int i = 0; i < n; ++i)
     if (inside_arch(e->polygon, i))
       problem.stencils.push_back({unknown[(i + n - 1) % n], unknown[i], unknown[(i + 1) % n]});

@@ -4,45 +4,12 @@
 #include <set>
 #include <utility>
 
+#include "sheetform/search/chord_book.h"
 #include "sheetform/search/flatten.h"
 #include "sheetform/strip/unfold.h"
 
 namespace sheetform {
 namespace {
-
-using Pair = std::pair<int, int>;
-Pair ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
-
-// Chords must be edges of their own: not an arch edge, not the chord of another patch (or of the other side
-// of a seam), or three faces would meet there. Nor may both ends lie on the plane of symmetry: there the
-// chord would meet its mirror image.
-class ChordBook {
- public:
-  explicit ChordBook(const LayoutEvaluation& e) : on_plane_(e.on_plane) {
-    for (const auto& points : e.arch_unknowns)
-      for (std::size_t i = 0; i + 1 < points.size(); ++i) used_.insert(ordered(points[i], points[i + 1]));
-  }
-  std::set<Pair> conflicts(const PatchEvaluation& patch, const std::vector<int>& unknowns) const {
-    std::set<Pair> bad, own;
-    for (const auto& c : patch.rulings.chords) {
-      const Pair pair = ordered(unknowns[c.a], unknowns[c.b]);
-      if (pair.first == pair.second || in_plane(pair) || used_.count(pair) || !own.insert(pair).second)
-        bad.insert(pair);
-    }
-    return bad;
-  }
-  void take(const PatchEvaluation& patch, const std::vector<int>& unknowns) {
-    for (const auto& c : patch.rulings.chords) used_.insert(ordered(unknowns[c.a], unknowns[c.b]));
-  }
-
- private:
-  bool in_plane(const Pair& p) const {
-    return !on_plane_.empty() && on_plane_[p.first] && on_plane_[p.second];
-  }
-
-  const std::vector<char>& on_plane_;
-  std::set<Pair> used_;
-};
 
 bool has_strips(const PatchEvaluation& e) { return !e.rulings.triangles.empty() && e.rulings.found; }
 
@@ -119,24 +86,26 @@ bool FinalPass::plainer(const std::vector<int>& patches) {
 void FinalPass::make_distinct() {
   // Ids of unknowns and the chords of arches do not depend on the rulings.
   const LayoutEvaluation e = evaluator_.solve(layout_, patches_, 0);
-  ChordBook book(e);
+  ChordBook book(e.on_plane);
+  for (const auto& points : e.arch_unknowns)
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) book.take_edge(points[i], points[i + 1]);
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     hopeless_[p] = 0;
-    std::set<Pair> forbidden;
+    std::set<ChordBook::Pair> forbidden;
     const auto& ids = e.unknowns[p];
     const std::function<bool(int, int)> avoid = [&](int a, int b) {
-      return ids[a] == ids[b] || forbidden.count(ordered(ids[a], ids[b])) > 0;
+      return ids[a] == ids[b] || forbidden.count(ChordBook::ordered(ids[a], ids[b])) > 0;
     };
     for (int attempt = 0; attempt < 6 && has_strips(*patches_[p]); ++attempt) {
-      const std::set<Pair> bad = book.conflicts(*patches_[p], ids);
+      const std::set<ChordBook::Pair> bad = book.conflicts(patches_[p]->rulings, ids);
       if (bad.empty()) break;
       forbidden.insert(bad.begin(), bad.end());
       patches_[p] = evaluator_.patch_with(layout_, static_cast<int>(p), ruling(level_[p]), &avoid);
     }
-    if (!has_strips(*patches_[p]) || !book.conflicts(*patches_[p], ids).empty()) {
+    if (!has_strips(*patches_[p]) || !book.conflicts(patches_[p]->rulings, ids).empty()) {
       hopeless_[p] = 1;
     } else {
-      book.take(*patches_[p], ids);
+      book.take(patches_[p]->rulings, ids);
     }
   }
   distinct_ = true;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sheetform/search/chord_book.h"
 #include "sheetform/search/plane_join.h"
 #include "unit/search/drawn_surface.h"
 
@@ -223,6 +224,28 @@ TEST(Darts, MakeASheetOfACone) {
 TEST(Darts, HaveToOpenInThePlane) {
   EXPECT_NE(verdict_of(drawn("A|A/AA"), {}), PatchVerdict::kViable)
       << "its two sides would lie on each other";
+}
+
+// A flat sleeve, bent along: its rulings run across, from its seam to the slit on the other side, on its
+// front and on its back. There they could be the same edges.
+TEST(Darts, LeaveChordsThatAreEdgesOfTheirOwn) {
+  Canvas canvas = rolled(6);
+  canvas.place = [](double x, double y) {
+    const double around = 2 * shapes::kPi * x / 6, along = 0.5 * y, radius = 0.2 + 0.01 * std::sin(around);
+    return Vector3(radius * std::cos(along), radius * std::sin(along), 0.06 * std::cos(around));
+  };
+  const Drawing d = drawn("AAA|AAA|/AAA|AAA|/AAA|AAA|/AAAAAA|", canvas);
+  SearchBed bed(d.mesh);
+  LayoutEvaluator evaluator(bed.surface, many_sides(0.02), bed.context);
+  const PatchLayout layout = d.layout();
+  const LayoutEvaluation e = evaluator.layout(layout, 0);
+  ASSERT_EQ(e.patches.size(), 1u);
+  EXPECT_TRUE(e.patches[0]->has_valid_strips()) << to_string(e.patches[0]->verdict);
+  ChordBook book(e.on_plane);
+  for (const std::vector<int>& arch : e.arch_unknowns)
+    for (std::size_t i = 0; i + 1 < arch.size(); ++i) book.take_edge(arch[i], arch[i + 1]);
+  EXPECT_TRUE(book.conflicts(e.patches[0]->rulings, e.unknowns[0]).empty());
+  EXPECT_FALSE(e.patches[0]->rulings.chords.empty());
 }
 
 // ---- beside the plane of symmetry
