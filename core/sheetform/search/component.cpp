@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "sheetform/base/error.h"
-#include "sheetform/mesh/far_vertices.h"
 #include "sheetform/ruling/follow_crosses.h"
+#include "sheetform/search/detail_points.h"
 #include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
@@ -167,7 +167,7 @@ class ComponentRun {
     surface_.elimination_rank = elimination_rank(surface_.mesh);
     surface_.crease = input_.prepared.crease_edge;
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
-    surface_.details = find_details();
+    surface_.details = detail_points(input_, tree_, surface_, params_.evaluation.e_max, context_);
     surface_.drawn_plane = input_.drawn_plane;
     if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;
     surface_.keep_out =
@@ -212,10 +212,27 @@ class ComponentRun {
     return search;
   }
 
-  // From the bare network to the strips; what is shared counts for the first tolerance. Chance decides what
-  // greedy steps end in: where a search misses the tolerance by little, or has no valid strips, the next may
-  // do. Without T-junctions few steps can make good what chance did: all are run.
+  // From the bare network to the strips; what is shared counts for the first tolerance. Where the patches
+  // that a normal deviation asks for cannot keep the tolerance, that comes first.
   ComponentResult solve() {
+    ComponentResult best = search_all();
+    double& limit = params_.evaluation.normal_deviation;
+    if (limit > 0 && best.distance > params_.evaluation.e_max) {
+      const double asked = std::exchange(limit, 0);
+      ComponentResult other = search_all();
+      limit = asked;
+      if (!other.strips.patches.empty() && other.distance < best.distance) std::swap(best, other);
+      best.counts += other.counts;
+    }
+    if (best.strips.patches.empty())
+      throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
+    best.seconds = laps_.take();
+    return best;
+  }
+
+  // Chance decides what greedy steps end in: where a search misses the tolerance by little, or has no valid
+  // strips, the next may do. Without T-junctions few steps can make good what chance did: all are run.
+  ComponentResult search_all() {
     ComponentResult best;
     for (std::size_t k = 0; k < params_.seeds.size(); ++k) {
       LayoutSearch& search = begin(k);
@@ -229,9 +246,6 @@ class ComponentRun {
       const bool met = params_.evaluation.t_junctions && best.miss <= 1;
       if (!best.strips.patches.empty() && (met || best.miss > kHopeless)) break;
     }
-    if (best.strips.patches.empty())
-      throw Error(ErrorCode::kInternal, "no valid strips were found for a component");
-    best.seconds = laps_.take();
     return best;
   }
 
@@ -249,43 +263,6 @@ class ComponentRun {
     const bool asked_for = params_.spacing.any() || !input_.guide.empty();
     if (!asked_for) drop_flat_rulings(result_.strips);
     laps_.lap(Stage::kFinal);
-  }
-
-  // Vertices of the input that may be farther than `least` from the working mesh. Of a half those on the side
-  // of its image too, mirrored.
-  std::vector<Vector3> far_from(const ClosestPointTree& working, double least) const {
-    std::vector<Vector3> far;
-    if (input_.whole.faces.empty()) {
-      for (const FarVertex& f : far_vertices(input_.reference.faces, tree_, working, least, context_))
-        far.push_back(input_.reference.points[f.vertex]);
-      return far;
-    }
-    const SurfaceMesh both = with_mirror_image(surface_.mesh, surface_.plane);
-    const ClosestPointTree tree(both.points, both.faces, context_);
-    for (const FarVertex& f : far_vertices(input_.whole.faces, *input_.whole_tree, tree, least, context_)) {
-      const Vector3& p = input_.whole.points[f.vertex];
-      far.emplace_back(std::abs(p.x()), p.y(), p.z());
-    }
-    return far;
-  }
-
-  // Points of the input that the working mesh misses by more than a small share of the tolerance.
-  std::vector<DetailPoint> find_details() const {
-    const SurfaceMesh& mesh = input_.prepared.mesh;
-    std::vector<DetailPoint> details;
-    if (!input_.prepared.remeshed && input_.whole.faces.empty()) return details;
-    const ClosestPointTree working(mesh.points, mesh.faces, context_);
-    const double least = 0.06 * params_.evaluation.e_max;
-    const std::vector<Vector3> may_be_far = far_from(working, least);
-    for (std::size_t i = 0; i < may_be_far.size(); ++i) {
-      if (i % 4096 == 0) context_.checkpoint();
-      const Vector3& p = may_be_far[i];
-      const ClosestPoint hit = working.closest(p);
-      if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
-    }
-    std::stable_sort(details.begin(), details.end(),
-                     [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; });
-    return details;
   }
 
   void reduce(LayoutSearch& search) const {
@@ -339,10 +316,17 @@ class ComponentRun {
     return patches;
   }
 
+  // By the distance alone, as far as it is not met, then by all: a normal deviation that cannot be met does
+  // not cost the tolerance.
+  using Miss = std::pair<double, double>;
+  Miss miss_of(const Attempt& a) const {
+    return {std::max(a.distance / params_.evaluation.e_max, 1.0), a.miss};
+  }
+
   // Final strips of the present layout; what breaks a promise is split, until nothing does.
   void finish(LayoutSearch& search) {
     bool have_best = false;
-    double best = 0;
+    Miss best;
     std::size_t outline = 0;
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
@@ -351,8 +335,8 @@ class ComponentRun {
       if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
         // More parts must buy less error.
-        if (!have_best || attempt.miss < best) take(attempt, search.layout());
-        best = have_best ? std::min(best, attempt.miss) : attempt.miss;
+        if (!have_best || miss_of(attempt) < best) take(attempt, search.layout());
+        best = have_best ? std::min(best, miss_of(attempt)) : miss_of(attempt);
         have_best = true;
         if (attempt.too_far.empty()) return enlarge(search, round, outline);
         if (round >= 30) return;

@@ -184,6 +184,19 @@ TEST(FinalPass, StripsAreDrawnToPlaces) {
   }
 }
 
+// What it asks for here cannot be had, and would cost the tolerance.
+TEST(DecomposeComponent, KeepsTheToleranceWhereTheNormalDeviationCannotBeMet) {
+  TriangleSoup lumpy = shapes::sphere(12);
+  for (Vector3& p : lumpy.points)
+    p *= 1 + 0.4 * std::max(0.0, std::sin(5 * p.x()) * std::sin(5 * p.y() + 1) * std::cos(5 * p.z()));
+  ComponentParams params = params_of(0.03);
+  params.evaluation.normal_deviation = 10;
+  params.seeds = {200}, params.improvements = 20;
+  RunContext context;
+  const ComponentResult result = decompose_component(input_of(lumpy), params, context);
+  EXPECT_LE(result.distance, 0.03);
+}
+
 TEST(DecomposeComponent, GivesTheSameTwice) {
   const ComponentInput input = input_of(shapes::sphere(12));
   RunContext one, two;
