@@ -55,6 +55,9 @@ bool loses_detail(const SurfaceMesh& input, const ClosestPointTree& input_tree, 
 constexpr double kSliver = 5e-4, kSliverSize = 0.2;
 // Width of a region between creases that no part needs to have of its own, in tolerances.
 constexpr double kNarrow = 0.5;
+// Degrees: remeshing keeps edges that are sharper, whatever is asked for as a crease; coarse triangles across
+// them would cut them off.
+constexpr double kSharp = 40;
 // What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
 // away: the rest could not hold what was left out.
 constexpr double kMostNoise = 0.7;
@@ -76,11 +79,10 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
                                   const WorkingMeshParams& params, const RunContext& context) {
   const double sliver = kSliver * std::min(1.0, bounding_box_diagonal(input.points) / kSliverSize);
   const SurfaceMesh mesh = uniform_enough(input) ? input : without_slivers(input, sliver, context);
-  std::vector<char> crease(mesh.edges.size(), 0);
   context.checkpoint();
-  if (params.crease_angle)
-    crease = without_narrow_regions(mesh, detect_creases(mesh, *params.crease_angle, context),
-                                    kNarrow * params.e_max);
+  const std::vector<char> crease = without_narrow_regions(
+      mesh, detect_creases(mesh, std::min(params.crease_angle.value_or(kSharp), kSharp), context),
+      kNarrow * params.e_max);
   context.checkpoint();
   double wanted = working_edge_length(mesh, params);
   const double present = mean_edge_length(mesh);
@@ -100,16 +102,30 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
   return prepared;
 }
 
-}  // namespace
-
-PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
-                          const WorkingMeshParams& params, const RunContext& context) {
+// With the sharp edges as creases.
+PreparedMesh with_sharp_edges(const SurfaceMesh& input, const ClosestPointTree& tree,
+                              const WorkingMeshParams& params, const RunContext& context) {
   const auto even = without_ragged_borders(input, tree, kMostBorderShift * params.e_max, context);
   const auto calm = without_noise(even ? *even : input, params.e_max, context);
   if (!even && !calm) return working_mesh_of_calm(input, tree, true, params, context);
   const SurfaceMesh& mesh = calm ? *calm : *even;
   const ClosestPointTree own(mesh.points, mesh.faces, context);
   return working_mesh_of_calm(mesh, own, !even, params, context);
+}
+
+}  // namespace
+
+PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
+                          const WorkingMeshParams& params, const RunContext& context) {
+  PreparedMesh prepared = with_sharp_edges(input, tree, params, context);
+  std::vector<char>& crease = prepared.crease_edge;
+  if (!params.crease_angle) {
+    std::fill(crease.begin(), crease.end(), 0);
+  } else if (*params.crease_angle > kSharp) {
+    const std::vector<char> sharper = detect_creases(prepared.mesh, *params.crease_angle, context);
+    for (std::size_t e = 0; e < crease.size(); ++e) crease[e] &= sharper[e];
+  }
+  return prepared;
 }
 
 }  // namespace sheetform

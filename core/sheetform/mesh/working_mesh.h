@@ -14,8 +14,9 @@ struct WorkingMeshParams {
 
 /// Finds the creases of one component and remeshes it, unless it is even and of a fitting edge length as it
 /// is; finer where vertices of the input would be lost. A noisy scan is smoothed before (is_noisy, denoised),
-/// unless that takes more than 0.7 of the tolerance. `tree`: of `input`. Throws as the context does. Cost
-/// that of one to three remeshings.
+/// unless that takes more than 0.7 of the tolerance. Sharp edges are kept in place also where they are not
+/// asked for as creases. `tree`: of `input`. Throws as the context does. Cost that of one to three
+/// remeshings.
 PreparedMesh working_mesh(const SurfaceMesh& input, const ClosestPointTree& tree,
                           const WorkingMeshParams& params, const RunContext& context);
 

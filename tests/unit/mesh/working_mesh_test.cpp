@@ -1,0 +1,47 @@
+#include "sheetform/mesh/working_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sheetform/mesh/mesh_repair.h"
+#include "support/shapes.h"
+
+namespace sheetform {
+namespace {
+
+struct Kept {
+  double off = 0;   // largest distance of the working mesh from the input, at vertices and middles of edges
+  int creases = 0;  // edges
+};
+
+// Of a box of a diagonal of 1, from few large triangles.
+Kept kept(std::optional<double> crease_angle) {
+  TriangleSoup box = shapes::box(2, {6, 3, 2});
+  for (Vector3& p : box.points) p /= 7;
+  const SurfaceMesh input = build_surface_mesh(std::move(box.points), std::move(box.faces));
+  const ClosestPointTree tree(input.points, input.faces);
+  const PreparedMesh prepared = working_mesh(input, tree, {0.05, crease_angle, false}, {});
+  EXPECT_TRUE(prepared.remeshed);
+  Kept kept;
+  kept.creases = static_cast<int>(std::count(prepared.crease_edge.begin(), prepared.crease_edge.end(), 1));
+  const auto& points = prepared.mesh.points;
+  for (const auto& e : prepared.mesh.edges)
+    for (double t : {0.0, 0.5})
+      kept.off = std::max(
+          kept.off,
+          std::sqrt(tree.closest(points[e.v0] + t * (points[e.v1] - points[e.v0])).squared_distance));
+  return kept;
+}
+
+TEST(WorkingMesh, SharpEdgesStayInPlaceThatAreNoCreases) {
+  const Kept creased = kept(40), off = kept(std::nullopt), blunt = kept(100), sharp = kept(80);
+  EXPECT_GT(creased.creases, 0);
+  EXPECT_EQ(sharp.creases, creased.creases);
+  EXPECT_EQ(off.creases, 0);
+  EXPECT_EQ(blunt.creases, 0);
+  for (const Kept& k : {creased, off, blunt, sharp}) EXPECT_LT(k.off, 1e-9);
+}
+
+}  // namespace
+}  // namespace sheetform
