@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sheetform/mesh/mesh_repair.h"
 #include "support/shapes.h"
@@ -41,6 +42,17 @@ TEST(WorkingMesh, SharpEdgesStayInPlaceThatAreNoCreases) {
   EXPECT_EQ(off.creases, 0);
   EXPECT_EQ(blunt.creases, 0);
   for (const Kept& k : {creased, off, blunt, sharp}) EXPECT_LT(k.off, 1e-9);
+}
+
+// Its details are no reason to leave a mesh as it is whose triangles are far larger than parts may have to
+// be.
+TEST(WorkingMesh, CoarseMeshesWithDetailsAreRemeshed) {
+  TriangleSoup rough = shapes::sphere(10, 0.28);
+  for (Vector3& p : rough.points) p *= 1 + 0.05 * std::sin(60 * p.x()) * std::sin(60 * p.y() + 1);
+  const SurfaceMesh input = build_surface_mesh(std::move(rough.points), std::move(rough.faces));
+  const ClosestPointTree tree(input.points, input.faces);
+  const double present = mean_edge_length(input);
+  EXPECT_LT(mean_edge_length(working_mesh(input, tree, {0.005, 40.0, false}, {}).mesh), 0.5 * present);
 }
 
 }  // namespace
