@@ -58,9 +58,9 @@ constexpr double kNarrow = 0.5;
 // Degrees: remeshing keeps edges that are sharper, whatever is asked for as a crease; coarse triangles across
 // them would cut them off.
 constexpr double kSharp = 40;
-// Multiple of the wanted edge length up to which a mesh stays as it is when remeshing would lose detail; with
-// one of 2.4 parts of single triangles missed 0.5 %.
-constexpr double kCoarsest = 2;
+// Multiples of the wanted edge length between which a mesh is made finer although remeshing loses detail:
+// with 2.4 parts of single triangles missed 0.5 %. Above, the tolerance asks for the facets themselves.
+constexpr double kTooCoarse = 2, kFacets = 4;
 // What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
 // away: the rest could not hold what was left out.
 constexpr double kMostNoise = 0.7;
@@ -91,7 +91,7 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
   const double present = mean_edge_length(mesh);
   may_stay = may_stay && uniform_enough(mesh);
   if (may_stay && present > 0.75 * wanted && present < 1.4 * wanted) return {mesh, crease, false};
-  const double finest = edge_length_for(mesh, 20000), coarsest = kCoarsest * wanted;
+  const double finest = edge_length_for(mesh, 20000), coarseness = present / wanted;
   context.checkpoint();
   PreparedMesh prepared = prepare(mesh, crease, wanted, input, tree, context);
   const int attempts = params.draft ? 1 : 2;
@@ -99,7 +99,8 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
                         loses_detail(input, tree, prepared.mesh, 0.3 * params.e_max, context);
        ++attempt) {
     wanted = std::max(0.65 * wanted, finest);
-    if (may_stay && present > 0.75 * wanted && present < coarsest) return {mesh, crease, false};
+    if (may_stay && present > 0.75 * wanted && (coarseness < kTooCoarse || coarseness > kFacets))
+      return {mesh, crease, false};
     prepared = prepare(mesh, crease, wanted, input, tree, context);
   }
   return prepared;
