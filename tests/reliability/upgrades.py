@@ -8,10 +8,12 @@ import hashlib
 import http.client
 import json
 import os
+import re
 import signal
 import sqlite3
 import sys
 import tempfile
+import time
 
 from kills import end_of
 from trials import EXECUTION, FaultyServer, Server, expect, in_threads, integrity, trial, unique_mesh, until_idle, verify_results
@@ -20,6 +22,8 @@ SCHEMAS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "schemas")
 KEYED = {"Idempotency-Key": "kept"}
 AT_ONCE = 4  # servers, which mostly wait
 DATABASES = ("sheetform", "blobs")
+MOMENT = r"\b\d{16}\b"  # in microseconds
+MINUTE = 60_000_000
 
 
 def text_of(path):
@@ -61,15 +65,18 @@ def write_fixture():
 
 
 def lay_out(schema):
-    """A data folder with the store of a schema, and what must be in it; nothing in a new one (schema None)."""
+    """A data folder with the store of a schema, as if it had been begun a minute ago, and what must be in it; nothing in
+    a new one (schema None)."""
     data = tempfile.mkdtemp(prefix="sheetform-upgrade-")
     if schema is None:
         return data, None
     folder = f"{SCHEMAS}/{schema}"
-    for name in DATABASES:
+    texts = {name: open(f"{folder}/{name}.sql").read() for name in DATABASES}
+    begun = min(int(at) for at in re.findall(MOMENT, texts["sheetform"]))
+    later = time.time_ns() // 1000 - MINUTE - begun  # keys are forgotten after a day
+    for name, text in texts.items():
         connection = sqlite3.connect(f"{data}/{name}.db", isolation_level=None)
-        with open(f"{folder}/{name}.sql") as f:
-            connection.executescript(f.read())
+        connection.executescript(re.sub(MOMENT, lambda at: str(int(at[0]) + later), text))
         connection.close()
     with open(folder + "/jobs.json") as f:
         told = json.load(f)

@@ -513,7 +513,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     e->verdict = patch.defect == TopologyDefect::kNotADisk ? PatchVerdict::kNotADisk : PatchVerdict::kTouches;
     return e;
   }
-  const auto before = charts_ == nullptr ? nullptr : charts_->known(patch);
+  const auto before = keep_corners_ ? charts_->known(patch) : nullptr;
   const auto chart = e->chart = this->chart(layout, patch);
   std::vector<std::vector<double>> samples(layout.arches.size());
   for (const ArchUse& use : patch.boundary)

@@ -135,11 +135,12 @@ struct LayoutEvaluation {
 /// known() and chart().
 class LayoutEvaluator {
  public:
-  /// `charts`: an evaluator of the same surface whose charts and corners are taken where it has them; may be
-  /// null.
+  /// `charts`: an evaluator of the same surface whose charts are taken where it has them; may be null.
+  /// keep_corners: patches have the corners that they have there; all that are asked for must be held there,
+  /// for where one was forgotten its corners may be others.
   LayoutEvaluator(const SearchSurface& surface, const EvaluationParams& params, RunContext& context,
-                  LayoutEvaluator* charts = nullptr)
-      : surface_(surface), params_(params), context_(context), charts_(charts) {}
+                  LayoutEvaluator* charts = nullptr, bool keep_corners = false)
+      : surface_(surface), params_(params), context_(context), charts_(charts), keep_corners_(keep_corners) {}
 
   const EvaluationParams& params() const { return params_; }
   std::shared_ptr<const PatchEvaluation> patch(const PatchLayout& layout, int p);
@@ -183,6 +184,7 @@ class LayoutEvaluator {
   EvaluationParams params_;
   RunContext& context_;
   LayoutEvaluator* charts_;
+  bool keep_corners_;
   mutable std::mutex mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<const PatchEvaluation>> cache_;
   std::unordered_set<std::uint64_t> rejected_;

@@ -48,7 +48,7 @@ FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, c
       network_(network),
       layout_(layout),
       searched_(charts.patches(layout)),
-      evaluator_(surface, evaluation, context, &charts),
+      evaluator_(surface, evaluation, context, &charts, true),
       context_(context),
       level_(layout.patches.size(), 0),
       patches_(layout.patches.size()),

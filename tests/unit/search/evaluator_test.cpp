@@ -332,7 +332,8 @@ TEST(LayoutEvaluator, AnotherSamplingKeepsTheCornersThatAreKnown) {
   ASSERT_EQ(known->corners.size(), 6u);
   params.spacing /= 3;
   params.corner_turn = 120;  // by which none of them turns
-  LayoutEvaluator alone(bed.surface, params, bed.context), finer(bed.surface, params, bed.context, &first);
+  LayoutEvaluator alone(bed.surface, params, bed.context),
+      finer(bed.surface, params, bed.context, &first, true);
   EXPECT_EQ(alone.patch(layout, p)->corners.size(), 0u);
   const auto again = finer.patch(layout, p);
   EXPECT_GT(again->polygon.size(), known->polygon.size());
