@@ -1,6 +1,7 @@
 // Edges that chords may not be: three faces would meet there.
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <set>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@ class ChordBook {
   /// on_plane: by unknown; empty = none is. Has to live as long.
   explicit ChordBook(const std::vector<char>& on_plane) : on_plane_(on_plane) {}
   void take_edge(int a, int b) { used_.insert(ordered(a, b)); }
+  void take_line(const std::vector<int>& points) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) take_edge(points[i], points[i + 1]);
+  }
   /// Chords of a patch that may not be; unknowns: by polygon point.
   std::set<Pair> conflicts(const RulingSet& rulings, const std::vector<int>& unknowns) const {
     std::set<Pair> bad, own;

@@ -87,8 +87,7 @@ void FinalPass::make_distinct() {
   // Ids of unknowns and the chords of arches do not depend on the rulings.
   const LayoutEvaluation e = evaluator_.solve(layout_, patches_, 0);
   ChordBook book(e.on_plane);
-  for (const auto& points : e.arch_unknowns)
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) book.take_edge(points[i], points[i + 1]);
+  for (const auto& points : e.arch_unknowns) book.take_line(points);
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     hopeless_[p] = 0;
     std::set<ChordBook::Pair> forbidden;

@@ -242,8 +242,7 @@ TEST(Darts, LeaveChordsThatAreEdgesOfTheirOwn) {
   ASSERT_EQ(e.patches.size(), 1u);
   EXPECT_TRUE(e.patches[0]->has_valid_strips()) << to_string(e.patches[0]->verdict);
   ChordBook book(e.on_plane);
-  for (const std::vector<int>& arch : e.arch_unknowns)
-    for (std::size_t i = 0; i + 1 < arch.size(); ++i) book.take_edge(arch[i], arch[i + 1]);
+  for (const std::vector<int>& arch : e.arch_unknowns) book.take_line(arch);
   EXPECT_TRUE(book.conflicts(e.patches[0]->rulings, e.unknowns[0]).empty());
   EXPECT_FALSE(e.patches[0]->rulings.chords.empty());
 }
