@@ -97,7 +97,8 @@ class ComponentRun {
         own_tree_(input.tree ? input.tree
                              : std::make_shared<ClosestPointTree>(input.reference.points,
                                                                   input.reference.faces, context)),
-        tree_(*own_tree_) {}
+        tree_(*own_tree_),
+        heights_(against().points, against().faces, tree_against().diagonal()) {}
 
   using Found = std::function<void(std::size_t, const ComponentResult&)>;
   const ClosestPointTree& tree() const { return tree_; }  // of the input
@@ -499,18 +500,21 @@ class ComponentRun {
   }
 
   // A half is measured as what it becomes.
+  bool is_half() const { return !input_.whole.faces.empty(); }
+  const TriangleSoup& against() const { return is_half() ? input_.whole : input_.reference; }
+  const ClosestPointTree& tree_against() const { return is_half() ? *input_.whole_tree : tree_; }
+
   DistanceReport far_places(const StripMesh& strips) const {
     const double limit = params_.margin * params_.evaluation.e_max;
-    if (input_.whole.faces.empty()) return find_far(input_.reference, tree_, strips, limit, context_);
-    return find_far_with_image(input_.whole, *input_.whole_tree, strips, limit, context_);
+    return (is_half() ? find_far_with_image : find_far)(against(), tree_against(), heights_, strips, limit,
+                                                        context_);
   }
 
   NormalReport tilts(const StripMesh& strips) const {
-    const TriangleSoup& input = input_.reference;
-    if (input_.whole.faces.empty())
-      return measure_normals(input.points, input.faces, tree_, strips, kCertificateSamples, context_);
-    return measure_normals_with_image(input_.whole, *input_.whole_tree, strips, kCertificateSamples,
-                                      context_);
+    const TriangleSoup& input = against();
+    if (is_half())
+      return measure_normals_with_image(input, tree_against(), strips, kCertificateSamples, context_);
+    return measure_normals(input.points, input.faces, tree_against(), strips, kCertificateSamples, context_);
   }
 
   // Takes the normal deviation into the attempt; while it is not met, all larger patches that exceed it are
@@ -629,6 +633,7 @@ class ComponentRun {
   RunContext& context_;
   std::shared_ptr<const ClosestPointTree> own_tree_;
   const ClosestPointTree& tree_;
+  const HeightBound heights_;  // over the input
   CurvatureField curvature_;
   CrossField field_;
   TracingGraph graph_;

@@ -5,6 +5,7 @@
 
 #include "sheetform/base/run_context.h"
 #include "sheetform/mesh/closest_point.h"
+#include "sheetform/strip/height_bound.h"
 #include "sheetform/strip/strip_mesh.h"
 
 namespace sheetform {
@@ -92,9 +93,11 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
 
 /// Where the two are farther apart than `limit`, quicker: what is nearer is only known to be so (distances
 /// told are then too small). Where at_most is
-/// not above the limit there is no such place. On large inputs most faces are never looked at.
-DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree, const StripMesh& result,
-                        double limit, RunContext& context);
+/// not above the limit there is no such place. On large inputs most faces are never looked at. tree,
+/// over_input: of the input's faces.
+DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
+                        const HeightBound& over_input, const StripMesh& result, double limit,
+                        RunContext& context);
 
 /// Two-sided normal deviation from `samples` each way (deterministic). The input must be oriented like the
 /// result. tree: of the input's faces.

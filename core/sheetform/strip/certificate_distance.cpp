@@ -25,8 +25,8 @@ constexpr int kFewSplits = 20000;
 constexpr double kSettled = 0.6;
 
 // Samples each way that often show that all is not within the limit; once a place so far beyond it is known,
-// the others need not all be found.
-constexpr int kGlances = 4000;
+// the others need not all be found, and so many splits each way do.
+constexpr int kGlances = 4000, kSplitsOnceFar = 2000;
 constexpr double kFarBeyond = 1.04;
 
 Vector3 barycentric(const std::vector<Vector3>& points, const std::array<int, 3>& t, const Vector3& p) {
@@ -81,7 +81,10 @@ DistanceReport certificate::measure_distance(const std::vector<Vector3>& points,
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
   hits = {area_samples(points, faces, samples), area_samples(result.points, strips.faces, samples), {}, {}};
-  OneWayDistance to(in, out, result_tree, 0, context), back(out, in, tree, 0, context);
+  const HeightBound over_input(points, faces, tree.diagonal()),
+      over_result(result.points, strips.faces, result_tree.diagonal());
+  OneWayDistance to(in, out, result_tree, &over_result, 0, context),
+      back(out, in, tree, &over_input, 0, context);
   const double mean_to = to.measure(hits.on_input, &hits.to_result),
                mean_back = back.measure(hits.on_result, &hits.to_input);
   for (OneWayDistance* way : {&to, &back})
@@ -106,18 +109,21 @@ DistanceReport measure_distance(const TriangleSoup& input, const ClosestPointTre
   return measure_distance(input.points, input.faces, tree, result, samples, context, promised);
 }
 
-DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree, const StripMesh& result,
-                        double limit, RunContext& context) {
+DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
+                        const HeightBound& over_input, const StripMesh& result, double limit,
+                        RunContext& context) {
   const Strips strips(result);
   if (strips.faces.empty() || input.faces.empty()) return {};
   const Surface in{input.points, input.faces}, out{result.points, strips.faces};
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
   const double enough = kSettled * limit;
-  OneWayDistance to(in, out, result_tree, enough, context), back(out, in, tree, enough, context);
+  const HeightBound over_result(result.points, strips.faces, result_tree.diagonal());
+  OneWayDistance to(in, out, result_tree, &over_result, enough, context),
+      back(out, in, tree, &over_input, enough, context);
   to.measure(certificate::area_samples(in.points, in.faces, kGlances));
   back.measure(certificate::area_samples(out.points, out.faces, kGlances));
-  const int splits = std::max(to.max, back.max) > kFarBeyond * limit ? kGlances : kCertificateSplits;
+  const int splits = std::max(to.max, back.max) > kFarBeyond * limit ? kSplitsOnceFar : kCertificateSplits;
   const std::vector<int> from_input = far_faces(tree, result_tree, limit, context),
                          from_result = all_of(strips.faces);
   certificate::find_beyond({{{to, from_input}, {back, from_result}}}, limit, splits, context);

@@ -102,8 +102,8 @@ NormalReport measure_normals(const std::vector<Vector3>& points, const Faces& fa
             certificate::area_samples(out.points, out.faces, samples),
             {},
             {}};
-    OneWayDistance(in, out, strip_tree, 0, context).measure(hits.on_input, &hits.to_result);
-    OneWayDistance(out, in, tree, 0, context).measure(hits.on_result, &hits.to_input);
+    OneWayDistance(in, out, strip_tree, nullptr, 0, context).measure(hits.on_input, &hits.to_result);
+    OneWayDistance(out, in, tree, nullptr, 0, context).measure(hits.on_result, &hits.to_input);
   }
   return certificate::normals_at(points, faces, result, hits);
 }

@@ -29,9 +29,10 @@ std::vector<double> larger(const std::vector<double>& whole, std::size_t patches
 }  // namespace
 
 DistanceReport find_far_with_image(const TriangleSoup& whole, const ClosestPointTree& tree,
-                                   const StripMesh& half, double limit, RunContext& context) {
+                                   const HeightBound& over_whole, const StripMesh& half, double limit,
+                                   RunContext& context) {
   const StripMesh both = with_mirror_image(half);
-  DistanceReport report = find_far(whole, tree, both, limit, context);
+  DistanceReport report = find_far(whole, tree, over_whole, both, limit, context);
   if (report.patch_error.empty()) return report;
   report.patch_error = larger(report.patch_error, half.patches.size());
   const std::vector<int> of = points_of_half(half, both);

@@ -64,12 +64,13 @@ struct OneWayDistance::Probe {
 };
 
 OneWayDistance::OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree,
-                               double enough, const RunContext& context)
+                               const HeightBound* heights, double enough, const RunContext& context)
     : from_face(from.faces.size()),
       to_face(to.faces.size()),
       from_(from),
       to_(to),
       tree_(tree),
+      heights_(heights),
       enough_(enough),
       context_(context) {}
 
@@ -147,6 +148,13 @@ double OneWayDistance::bound_of(const Piece& piece) const {
   return bound;
 }
 
+// Of what lies over the whole piece; only where it is at most `limit`, else infinity.
+double OneWayDistance::height_of(const Piece& piece, double limit) const {
+  for (const Hit& h : piece.hits)
+    if (h.face < 0 || h.distance > limit) return std::numeric_limits<double>::infinity();
+  return (*heights_)(piece.corners, {piece.hits[0].face, piece.hits[1].face, piece.hits[2].face}, limit);
+}
+
 OneWayDistance::Piece OneWayDistance::whole_face(int face, const std::vector<Hit>& vertices) const {
   const auto& t = from_.faces[face];
   Piece piece;
@@ -175,8 +183,10 @@ OneWayDistance::Probe OneWayDistance::split(const Piece& piece, std::array<Piece
 // what a piece has to reach beyond. Only places are moved about in the heap, pieces are ten times as large.
 class OneWayDistance::Open {
  public:
-  explicit Open(std::function<double(int)> known) : known_(std::move(known)) {}
-  void push(const Piece& piece) {
+  Open(const OneWayDistance& way, std::function<double(int)> known) : way_(way), known_(std::move(known)) {}
+  void push(Piece piece) {
+    if (!matters(piece)) return;
+    piece.bound = std::min(piece.bound, way_.height_of(piece, known_(piece.face)));
     if (!matters(piece)) return;
     int slot = static_cast<int>(pieces_.size());
     if (free_.empty())
@@ -215,6 +225,7 @@ class OneWayDistance::Open {
     left_ = std::max(left_, piece.bound);
     return false;
   }
+  const OneWayDistance& way_;
   std::function<double(int)> known_;
   std::priority_queue<Entry> queue_;
   std::vector<Piece> pieces_;  // by slot
@@ -242,7 +253,7 @@ void OneWayDistance::find_largest(const Goal& goal) {
   std::vector<int> faces(from_.faces.size());
   std::iota(faces.begin(), faces.end(), 0);
   const std::vector<Hit> vertices = vertex_hits(faces);
-  Open open([this, finest = goal.finest](int) { return max + finest; });
+  Open open(*this, [this, finest = goal.finest](int) { return max + finest; });
   int done = split_in_groups(vertices, goal, open);
   while (done < goal.splits) {
     context_.checkpoint();
@@ -270,7 +281,7 @@ int OneWayDistance::split_in_groups(const std::vector<Hit>& vertices, const Goal
     context_.checkpoint();
     const int first = g * kTogether, last = std::min(n, first + kTogether);
     double largest = max;
-    left[g] = std::make_unique<Open>([&](int) { return largest + goal.finest; });
+    left[g] = std::make_unique<Open>(*this, [&](int) { return largest + goal.finest; });
     for (int f = first; f < last; ++f) left[g]->push(whole_face(f, vertices));
     const auto share = static_cast<int>(static_cast<std::int64_t>(goal.few_splits) * (last - first) / n);
     found[g] =
@@ -317,7 +328,7 @@ std::vector<OneWayDistance::Probe> OneWayDistance::probes_beyond(const int* face
   const auto here = [&](int face) -> double& {
     return largest[std::lower_bound(faces, faces + count, face) - faces];
   };
-  Open open([&](int face) {
+  Open open(*this, [&](int face) {
     const double so_far = here(face), worse = so_far > kFarBeyond * limit ? kMuchWorse : kWorse;
     return so_far > limit ? so_far + worse * limit : limit;
   });

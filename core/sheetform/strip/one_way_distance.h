@@ -6,6 +6,7 @@
 
 #include "sheetform/mesh/closest_point.h"
 #include "sheetform/strip/certificate_checks.h"
+#include "sheetform/strip/height_bound.h"
 
 namespace sheetform::certificate {
 
@@ -38,9 +39,10 @@ class Farthest {
 /// the number of threads.
 class OneWayDistance {
  public:
-  /// tree: of the faces of `to`. enough: what is known to be nearer is not measured exactly.
-  OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree, double enough,
-                 const RunContext& context);
+  /// tree, heights: of the faces of `to`; the latter may be null where nothing but measure() is called.
+  /// enough: what is known to be nearer is not measured exactly.
+  OneWayDistance(const Surface& from, const Surface& to, const ClosestPointTree& tree,
+                 const HeightBound* heights, double enough, const RunContext& context);
 
   /// Measures from each sample and gives the mean distance; hits: the closest face of each sample.
   double measure(const std::vector<AreaSample>& samples, std::vector<int>* hits = nullptr);
@@ -83,6 +85,7 @@ class OneWayDistance {
   std::vector<Hit> vertex_hits(const std::vector<int>& faces);
   Piece whole_face(int face, const std::vector<Hit>& vertices) const;
   double bound_of(const Piece& piece) const;
+  double height_of(const Piece& piece, double limit) const;
   Probe split(const Piece& piece, std::array<Piece, 2>& halves) const;
   std::vector<Probe> split_all(Open& open, int splits, const std::function<void(int, double)>& found) const;
   int split_in_groups(const std::vector<Hit>& vertices, const Goal& goal, Open& open);
@@ -91,6 +94,7 @@ class OneWayDistance {
 
   const Surface &from_, &to_;
   const ClosestPointTree& tree_;
+  const HeightBound* heights_;
   double enough_;
   const RunContext& context_;
 };

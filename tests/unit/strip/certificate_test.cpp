@@ -438,13 +438,15 @@ TEST(Distance, IsProvenAboveAllSamples) {
   }
 }
 
+HeightBound over(const TriangleSoup& input) { return {input.points, input.faces, kDiagonal}; }
+
 TEST(FindFar, FindsPlacesBeyondTheLimitAndNoOthers) {
   const int n = 60;
   const TriangleSoup input = plane_with_a_gap(n);
   const StripMesh result = shapes::two_leaves(0, 0, 3);
   const ClosestPointTree tree(input.points, input.faces);
   RunContext context;
-  const DistanceReport far = find_far(input, tree, result, 0.9 / n, context);
+  const DistanceReport far = find_far(input, tree, over(input), result, 0.9 / n, context);
   ASSERT_FALSE(far.far.empty());
   for (const FarPlace& place : far.far) {
     EXPECT_GT(place.distance, 0.9 / n);
@@ -454,7 +456,7 @@ TEST(FindFar, FindsPlacesBeyondTheLimitAndNoOthers) {
     EXPECT_NEAR((on_strips - place.on_input).norm(), place.distance, 1e-9);
   }
   EXPECT_NEAR(far.result_to_input, 1.0 / n, 0.1 / n);
-  const DistanceReport near = find_far(input, tree, result, 1.1 / n, context);
+  const DistanceReport near = find_far(input, tree, over(input), result, 1.1 / n, context);
   EXPECT_TRUE(near.far.empty());
   EXPECT_LE(near.at_most, 1.1 / n);
 }
@@ -465,7 +467,7 @@ TEST(FindFar, SeesASpikeOfTheInput) {
   const Vector3& tip = input.points[41 * 17 + 23] += Vector3(0, 0, 0.3);
   const ClosestPointTree tree(input.points, input.faces);
   RunContext context;
-  const DistanceReport d = find_far(input, tree, shapes::two_leaves(0, 0, 3), 0.2, context);
+  const DistanceReport d = find_far(input, tree, over(input), shapes::two_leaves(0, 0, 3), 0.2, context);
   EXPECT_NEAR(d.input_to_result, 0.3, 1e-9);
   ASSERT_FALSE(d.far.empty());
   for (const FarPlace& place : d.far)

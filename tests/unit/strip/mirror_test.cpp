@@ -189,9 +189,11 @@ struct LiftedImage {
 TEST(MirrorDistance, WhatIsFarOnTheSideOfTheImageIsToldOfTheHalf) {
   const LiftedImage lifted(7, 0.1);
   RunContext context;
-  const DistanceReport near = find_far_with_image(lifted.input, lifted.tree, lifted.half, 0.11, context);
+  const HeightBound over(lifted.input.points, lifted.input.faces, lifted.tree.diagonal());
+  const DistanceReport near =
+      find_far_with_image(lifted.input, lifted.tree, over, lifted.half, 0.11, context);
   EXPECT_TRUE(near.far.empty());
-  const DistanceReport d = find_far_with_image(lifted.input, lifted.tree, lifted.half, 0.02, context);
+  const DistanceReport d = find_far_with_image(lifted.input, lifted.tree, over, lifted.half, 0.02, context);
   ASSERT_EQ(d.patch_error.size(), 1u);
   EXPECT_NEAR(d.patch_error[0], 0.1, 0.01);
   EXPECT_LT(d.worst_place.x(), 0) << "where it is";
