@@ -11,68 +11,113 @@ constexpr double kRounding = 1e-12;  // of the diagonal
 constexpr double kThin = 1e-6;       // sine at a corner below which a triangle has no normal to speak of
 constexpr std::size_t kMost = 256;   // faces over one triangle; beyond it a split costs less
 
-using Triangle2 = std::array<Vector2, 3>;
-
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// All of the triangle lies more than `gap` on one side of the line through a and b, or the segment so far
-// outside of one of the triangle's sides. (No other line can part a segment from a triangle.)
-bool apart(const Triangle2& t, const Vector2& a, const Vector2& b, double gap) {
-  for (int k = 0; k < 3; ++k) {
-    const Vector2 side = t[(k + 1) % 3] - t[k];
-    const double outside = -gap * side.norm();
-    if (cross(side, a - t[k]) < outside && cross(side, b - t[k]) < outside) return true;
-  }
-  const Vector2 along = b - a;
-  const double least = gap * along.norm();
-  double lo = kUnknown, hi = -kUnknown;
-  for (const Vector2& p : t) {
-    const double c = cross(along, p - a);
-    lo = std::min(lo, c), hi = std::max(hi, c);
-  }
-  return lo > least || hi < -least;
-}
+// Not below the length.
+double length_or_more(const Vector2& v) { return std::abs(v.x()) + std::abs(v.y()); }
 
-// How often the face covers the point, and with which side up: 1, -1 or 0; 2 where that cannot be told.
-int cover(const Triangle2& face, const Vector2& point, double gap) {
-  double lo = kUnknown, hi = -kUnknown;
-  for (int k = 0; k < 3; ++k) {
-    const Vector2 side = face[(k + 1) % 3] - face[k];
-    const double c = cross(side, point - face[k]), least = gap * side.norm();
-    if (std::abs(c) <= least) {
-      lo = std::min(lo, 0.0), hi = std::max(hi, 0.0);
-    } else {
-      lo = std::min(lo, c), hi = std::max(hi, c);
+// A triangle in its own plane, to which faces are projected.
+class Shadowed {
+ public:
+  explicit Shadowed(const std::array<Vector3, 3>& triangle, double rounding)
+      : origin_(triangle[0]), rounding_(rounding) {
+    x_ = (triangle[1] - triangle[0]).stableNormalized();
+    const Vector3 across = x_.cross(triangle[2] - triangle[0]);
+    z_ = across.stableNormalized();
+    y_ = z_.cross(x_);
+    thin_ = !(across.norm() > kThin * (triangle[2] - triangle[0]).norm());
+    for (int k = 0; k < 3; ++k) corners_[k] = projected(triangle[k]).head<2>();
+    for (int k = 0; k < 3; ++k) {
+      sides_[k] = corners_[(k + 1) % 3] - corners_[k];
+      outside_[k] = -rounding_ * length_or_more(sides_[k]);
     }
   }
-  if (lo > 0) return 1;
-  if (hi < 0) return -1;
-  return lo < 0 && hi > 0 ? 0 : 2;
-}
+  bool thin() const { return thin_; }  // so much that it has no plane
+  // A little beside its middle: that hardly ever lies on a side of a regular mesh.
+  Vector2 middle() const { return 0.34519 * corners_[0] + 0.33173 * corners_[1] + 0.32308 * corners_[2]; }
 
-// The largest |z| of the part of the face over the triangle, which turns to the left; 0 where there is none.
-double height_over(const Triangle2& t, const std::array<Vector3, 3>& face) {
-  std::array<std::array<Vector3, 9>, 2> part;  // three cuts: half as many corners again each, at worst
-  std::size_t n = 3;
-  std::copy(face.begin(), face.end(), part[0].begin());
-  for (int k = 0; k < 3; ++k) {
-    const auto& whole = part[k % 2];
-    auto& left = part[(k + 1) % 2];
-    const Vector2 side = t[(k + 1) % 3] - t[k];
-    const auto inside = [&](const Vector3& p) { return cross(side, p.head<2>() - t[k]); };
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vector3 &p = whole[i], &q = whole[(i + 1) % n];
-      const double a = inside(p), b = inside(q);
-      if (a >= 0) left[kept++] = p;
-      if ((a >= 0) != (b >= 0)) left[kept++] = p + a / (a - b) * (q - p);
+  // A face: the third coordinate is its height; `inside` by corner and side of the triangle, positive inside.
+  struct Face {
+    std::array<Vector3, 3> corners;
+    std::array<std::array<double, 3>, 3> inside;
+    double height = 0;  // of the highest corner, or lowest
+  };
+  Face face(const Vector3& a, const Vector3& b, const Vector3& c) const {
+    Face f{{projected(a), projected(b), projected(c)}, {}};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) f.inside[i][k] = inside(f.corners[i], k);
+      f.height = std::max(f.height, std::abs(f.corners[i].z()));
     }
-    n = kept;
+    return f;
   }
-  double highest = 0;
-  for (std::size_t i = 0; i < n; ++i) highest = std::max(highest, std::abs(part[1][i].z()));
-  return highest;
-}
+  bool beside(const Face& f) const {
+    for (int k = 0; k < 3; ++k)
+      if (out(f, 0, k) && out(f, 1, k) && out(f, 2, k)) return true;
+    return false;
+  }
+  // Whether side i of the face, to corner i + 1, is known not to lie over the triangle: a side of the
+  // triangle or its own line parts the two. (No other line can part a segment from a triangle alone.)
+  bool beside(const Face& f, int i) const {
+    const int j = (i + 1) % 3;
+    for (int k = 0; k < 3; ++k)
+      if (out(f, i, k) && out(f, j, k)) return true;
+    const Vector2 a = f.corners[i].head<2>(), along = f.corners[j].head<2>() - a;
+    const double least = rounding_ * length_or_more(along);
+    const double p = cross(along, corners_[0] - a), q = cross(along, corners_[1] - a),
+                 r = cross(along, corners_[2] - a);
+    return (p > least && q > least && r > least) || (p < -least && q < -least && r < -least);
+  }
+
+  // How often the face covers the point, and with which side up: 1, -1 or 0; 2 where that cannot be told.
+  int covers(const Face& f, const Vector2& point) const {
+    bool left = true, right = true, near = false;
+    for (int i = 0; i < 3; ++i) {
+      const Vector2 a = f.corners[i].head<2>(), along = f.corners[(i + 1) % 3].head<2>() - a;
+      const double c = cross(along, point - a), least = rounding_ * length_or_more(along);
+      left = left && c > -least, right = right && c < least, near = near || std::abs(c) <= least;
+    }
+    if (!left && !right) return 0;
+    return near ? 2 : left ? 1 : -1;
+  }
+
+  // The largest |height| of the part of the face over the triangle; 0 where there is none.
+  double height_over(const Face& f) const {
+    std::array<std::array<Vector3, 9>, 2> part;  // three cuts: half as many corners again each, at worst
+    std::size_t n = 3;
+    std::copy(f.corners.begin(), f.corners.end(), part[0].begin());
+    for (int k = 0; k < 3; ++k) {
+      const auto& whole = part[k % 2];
+      auto& left = part[(k + 1) % 2];
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vector3 &p = whole[i], &q = whole[(i + 1) % n];
+        const double a = inside(p, k), b = inside(q, k);
+        if (a >= 0) left[kept++] = p;
+        if ((a >= 0) != (b >= 0)) left[kept++] = p + a / (a - b) * (q - p);
+      }
+      n = kept;
+    }
+    double highest = 0;
+    for (std::size_t i = 0; i < n; ++i) highest = std::max(highest, std::abs(part[1][i].z()));
+    return highest;
+  }
+
+ private:
+  Vector3 projected(const Vector3& p) const {
+    const Vector3 d = p - origin_;
+    return {d.dot(x_), d.dot(y_), d.dot(z_)};
+  }
+  double inside(const Vector3& p, int side) const {
+    return cross(sides_[side], p.head<2>() - corners_[side]);
+  }
+  bool out(const Face& f, int corner, int side) const { return f.inside[corner][side] < outside_[side]; }
+
+  Vector3 origin_, x_, y_, z_;
+  double rounding_;
+  bool thin_;
+  std::array<Vector2, 3> corners_, sides_;
+  std::array<double, 3> outside_;
+};
 
 }  // namespace
 
@@ -106,16 +151,9 @@ HeightBound::HeightBound(const std::vector<Vector3>& points, const std::vector<s
 // covered.
 double HeightBound::operator()(const std::array<Vector3, 3>& triangle, const std::array<int, 3>& near,
                                double limit) const {
-  const Vector3 x = (triangle[1] - triangle[0]).stableNormalized();
-  const Vector3 across = x.cross(triangle[2] - triangle[0]), z = across.stableNormalized(), y = z.cross(x);
-  if (!(across.norm() > kThin * (triangle[2] - triangle[0]).norm())) return kUnknown;
-  const auto flat = [&](const Vector3& p) {
-    const Vector3 d = p - triangle[0];
-    return Vector2(d.dot(x), d.dot(y));
-  };
-  const Triangle2 t{flat(triangle[0]), flat(triangle[1]), flat(triangle[2])};
-  // Near the middle, but hardly ever on a side of a regular mesh.
-  const Vector2 middle = 0.34519 * t[0] + 0.33173 * t[1] + 0.32308 * t[2];
+  const Shadowed t(triangle, rounding_);
+  if (t.thin()) return kUnknown;
+  const Vector2 middle = t.middle();
   std::vector<int> over;
   const auto take = [&](int f) {
     if (std::find(over.begin(), over.end(), f) == over.end()) over.push_back(f);
@@ -124,24 +162,18 @@ double HeightBound::operator()(const std::array<Vector3, 3>& triangle, const std
   double highest = 0;
   int covered = 0;
   for (std::size_t i = 0; i < over.size(); ++i) {
-    const int f = over[i];
-    Triangle2 face;
-    std::array<Vector3, 3> risen;
-    double corner = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vector3& p = points_[faces_[f][k]];
-      face[k] = flat(p);
-      risen[k] << face[k], (p - triangle[0]).dot(z);
-      corner = std::max(corner, std::abs(risen[k].z()));
-    }
-    if (corner > highest) highest = std::max(highest, height_over(t, risen));
+    const auto& corners = faces_[over[i]];
+    const auto& beside = beside_[over[i]];
+    const Shadowed::Face face = t.face(points_[corners[0]], points_[corners[1]], points_[corners[2]]);
+    if (t.beside(face)) continue;
+    if (face.height > highest) highest = std::max(highest, t.height_over(face));
     if (!(highest <= limit)) return kUnknown;
     for (int k = 0; k < 3; ++k) {
-      if (apart(t, face[k], face[(k + 1) % 3], rounding_)) continue;
-      if (beside_[f][k] < 0 || over.size() >= kMost) return kUnknown;
-      take(beside_[f][k]);
+      if (t.beside(face, k)) continue;
+      if (beside[k] < 0 || over.size() >= kMost) return kUnknown;
+      take(beside[k]);
     }
-    const int c = cover(face, middle, rounding_);
+    const int c = t.covers(face, middle);
     if (c == 2) return kUnknown;
     covered += c;
   }
