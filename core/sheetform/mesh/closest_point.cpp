@@ -158,9 +158,10 @@ bool is_thin(const Vector3& ab, const Vector3& ac) {
 }  // namespace
 
 struct ClosestPointTree::Builder {
-  ClosestPointTree& tree;
+  const ClosestPointTree& tree;
   const RunContext& context;
   std::vector<Item> items;
+  using Nodes = std::vector<Node>;
 
   void set_child(Node& node, int k, const Box& box) const {
     for (int axis = 0; axis < 3; ++axis) {
@@ -185,24 +186,43 @@ struct ClosestPointTree::Builder {
     return parts;
   }
 
-  int build(const Range& r) {
-    const int id = static_cast<int>(tree.nodes_.size());
+  // Appends the nodes of r, its own first. Large parts are built side by side and stand as they would one
+  // after another.
+  void build(const Range& r, Nodes& nodes) {
     if (r.size() > kOftenEnough) context.checkpoint();
-    tree.nodes_.emplace_back();
+    const std::size_t id = nodes.size();
+    nodes.emplace_back();
     const std::vector<Range> parts = quarters(r);
+    const auto n = static_cast<int>(parts.size());
+    std::array<Nodes, 4> apart;
+    if (r.size() > kOftenEnough)
+      parallel_for(context, n, [&](int k) {
+        if (parts[k].size() > kLeaf) build(parts[k], apart[k]);
+      });
     for (int k = 0; k < 4; ++k) {
-      Node& node = tree.nodes_[id];
-      if (k >= static_cast<int>(parts.size())) {
-        for (int axis = 0; axis < 3; ++axis) node.lo[axis][k] = node.hi[axis][k] = 0;
-        node.first[k] = -1, node.count[k] = -1;
+      if (k >= n) {
+        for (int axis = 0; axis < 3; ++axis) nodes[id].lo[axis][k] = nodes[id].hi[axis][k] = 0;
+        nodes[id].first[k] = -1, nodes[id].count[k] = -1;
         continue;
       }
-      set_child(node, k, parts[k].box);
-      node.count[k] = parts[k].size() <= kLeaf ? parts[k].size() : 0;
-      const int first = node.count[k] > 0 ? parts[k].begin : build(parts[k]);
-      tree.nodes_[id].first[k] = first;  // the vector may have moved
+      const bool leaf = parts[k].size() <= kLeaf;
+      set_child(nodes[id], k, parts[k].box);
+      nodes[id].count[k] = leaf ? parts[k].size() : 0;
+      nodes[id].first[k] = leaf ? parts[k].begin : static_cast<int>(nodes.size());
+      if (!apart[k].empty())
+        append(apart[k], nodes);
+      else if (!leaf)
+        build(parts[k], nodes);
     }
-    return id;
+  }
+
+  static void append(Nodes& part, Nodes& nodes) {
+    const auto shift = static_cast<int>(nodes.size());
+    for (Node& node : part) {
+      for (int k = 0; k < 4; ++k)
+        if (node.count[k] == 0) node.first[k] += shift;
+      nodes.push_back(node);
+    }
   }
 };
 
@@ -222,7 +242,7 @@ ClosestPointTree::ClosestPointTree(const std::vector<Vector3>& points,
   centre_ = (all.box.lo + all.box.hi) / 2;
   const double diagonal = (all.box.hi - all.box.lo).norm();
   scale_ = diagonal > 0 && std::isfinite(1 / diagonal) ? 1 / diagonal : 1;
-  builder.build(all);
+  builder.build(all, nodes_);
   triangles_.reserve(faces.size());
   for (const Item& item : builder.items) {
     const auto& t = faces[item.face];

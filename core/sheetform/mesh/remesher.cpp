@@ -375,14 +375,14 @@ bool Remesher::should_flip(Edge e) const {
   if (is_chord(e) && !new_chord && after > 0.3) return true;
   if (n1.dot(n2) < 0.8 * n1.norm() * n2.norm())
     return false;  // the surface bends here: flipping would change it
-  auto off = [&](Vertex v, int change) {
-    const int wanted = mesh_.is_boundary(v) ? 4 : 6,
-              off_by = static_cast<int>(mesh_.valence(v)) + change - wanted;
-    return off_by * off_by;
+  if (after <= 0.5 * before || after <= kThin) return false;
+  int more = 0;  // of the squares of what valences are off
+  const auto change = [&](Vertex v, int by) {
+    const int off = static_cast<int>(mesh_.valence(v)) - (mesh_.is_boundary(v) ? 4 : 6);
+    more += (off + by) * (off + by) - off * off;
   };
-  const int now = off(a, 0) + off(b, 0) + off(c, 0) + off(d, 0),
-            then = off(a, -1) + off(b, -1) + off(c, 1) + off(d, 1);
-  return then < now && after > 0.5 * before && after > kThin;
+  change(a, -1), change(b, -1), change(c, 1), change(d, 1);
+  return more < 0;
 }
 
 void Remesher::relax() {

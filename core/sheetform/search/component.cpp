@@ -650,7 +650,9 @@ ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, 
                            ComponentParams params, RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
     if (facing(result.strips, input.reference, tree) > kFacing &&
-        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0).empty())
+        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0, nullptr,
+                        context)
+            .empty())
       break;
     params.evaluation.e_max /= 2;
     const EvaluationCounts before = result.counts;

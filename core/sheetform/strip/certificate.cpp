@@ -81,9 +81,10 @@ std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_
 }
 
 std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* input, int max_sides,
-                                    double bbox_diagonal, double* isometry_error) {
-  const ClosestPointTree tree = input ? ClosestPointTree(input->points, input->faces) : ClosestPointTree();
-  return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, {});
+                                    double bbox_diagonal, double* isometry_error, const RunContext& context) {
+  const ClosestPointTree tree =
+      input ? ClosestPointTree(input->points, input->faces, context) : ClosestPointTree();
+  return structure(result, input, tree, max_sides, bbox_diagonal, isometry_error, context);
 }
 
 double facing(const StripMesh& result, const TriangleSoup& surface, const ClosestPointTree& tree) {

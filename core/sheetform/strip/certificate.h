@@ -62,7 +62,8 @@ struct Certificate {
 /// Defects of the structure and of the flat layout (S2 to S9). `input`: the welded input surface, its
 /// topology is compared when `compare_topology`. max_sides: 2..6. Cost O(n log n).
 std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* input, int max_sides,
-                                    double bbox_diagonal, double* isometry_error = nullptr);
+                                    double bbox_diagonal, double* isometry_error = nullptr,
+                                    const RunContext& context = {});
 
 /// How far the strips of one component show their outside where the surface does: mean cosine between the
 /// normals of both at nearest points, -1 to 1. `tree`: of the surface. Two walls that are nearer to each

@@ -53,8 +53,10 @@ const TiltSample* quantile(std::vector<const TiltSample*> samples) {
   if (samples.empty()) return nullptr;
   const auto k = std::min(samples.size() - 1, static_cast<std::size_t>(NormalReport::kShare *
                                                                        static_cast<double>(samples.size())));
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const TiltSample* a, const TiltSample* b) { return a->angle < b->angle; });
+  std::nth_element(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(k), samples.end(),
+                   [](const TiltSample* a, const TiltSample* b) {
+                     return a->angle != b->angle ? a->angle < b->angle : a < b;  // all of one array
+                   });
   return samples[k];
 }
 
