@@ -9,7 +9,10 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;  // of the diagonal
 constexpr double kThin = 1e-6;       // sine at a corner below which a triangle has no normal to speak of
-constexpr std::size_t kMost = 256;   // faces over one triangle; beyond it a split costs less
+// Faces over one triangle, as their areas say, beyond which a split costs less than to look at all of them;
+// and how many are looked at before it is given up.
+constexpr double kMany = 32;
+constexpr std::size_t kMost = 128;
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -32,6 +35,7 @@ class Shadowed {
       outside_[k] = -rounding_ * length_or_more(sides_[k]);
     }
   }
+  double area() const { return cross(sides_[0], sides_[1]) / 2; }
   bool thin() const { return thin_; }  // so much that it has no plane
   // A little beside its middle: that hardly ever lies on a side of a regular mesh.
   Vector2 middle() const { return 0.34519 * corners_[0] + 0.33173 * corners_[1] + 0.32308 * corners_[2]; }
@@ -145,6 +149,11 @@ HeightBound::HeightBound(const std::vector<Vector3>& points, const std::vector<s
   }
 }
 
+double HeightBound::area_of(int face) const {
+  const auto& t = faces_[face];
+  return (points_[t[1]] - points_[t[0]]).cross(points_[t[2]] - points_[t[0]]).norm() / 2;
+}
+
 // Faces are taken from one to the next across the sides that lie over the triangle. When there are no more,
 // no side at which the faces taken end lies over it, so faces turned up less faces turned down are as many at
 // all of its points (the winding number of where they end). Where that is not 0 at its middle, all of it is
@@ -158,7 +167,9 @@ double HeightBound::operator()(const std::array<Vector3, 3>& triangle, const std
   const auto take = [&](int f) {
     if (std::find(over.begin(), over.end(), f) == over.end()) over.push_back(f);
   };
-  for (int f : near) take(f);
+  double widest = 0;
+  for (int f : near) take(f), widest = std::max(widest, area_of(f));
+  if (t.area() > kMany * widest) return kUnknown;
   double highest = 0;
   int covered = 0;
   for (std::size_t i = 0; i < over.size(); ++i) {

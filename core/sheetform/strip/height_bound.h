@@ -19,11 +19,14 @@ class HeightBound {
 
   /// No point of the triangle is farther from the surface. Infinity where that is not known to be at most
   /// `limit`: where the surface ends over the triangle, has as many faces over it turned up as down, is too
-  /// high, or has too many faces there. near: faces to start from. O(faces over the triangle).
+  /// high, or has too many faces there for this to pay. near: faces to start from. O(faces over the
+  /// triangle).
   double operator()(const std::array<Vector3, 3>& triangle, const std::array<int, 3>& near,
                     double limit) const;
 
  private:
+  double area_of(int face) const;
+
   const std::vector<Vector3>& points_;
   const std::vector<std::array<int, 3>>& faces_;
   double rounding_;  // lengths below it mean nothing

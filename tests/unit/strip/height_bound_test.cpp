@@ -41,7 +41,7 @@ struct Target {
 bool known(double bound) { return std::isfinite(bound); }
 
 TEST(HeightBound, OfAParallelPlaneIsItsDistance) {
-  const Target plane{shapes::plane(20)};
+  const Target plane{shapes::plane(8)};
   const Corners t{Vector3(0.2, 0.2, 0.1), Vector3(0.8, 0.3, 0.1), Vector3(0.4, 0.9, 0.1)};
   EXPECT_NEAR(plane.bound(t), 0.1, 1e-12);
   EXPECT_NEAR(plane.bound({t[0], t[2], t[1]}), 0.1, 1e-12) << "seen from the other side";
@@ -49,14 +49,14 @@ TEST(HeightBound, OfAParallelPlaneIsItsDistance) {
 }
 
 TEST(HeightBound, CountsWhatIsOverTheTriangleAlone) {
-  TriangleSoup soup = shapes::plane(20);
-  soup.points[21 * 18 + 3].z() += 5;  // a spike at (0.15, 0.9)
+  TriangleSoup soup = shapes::plane(8);
+  soup.points[9 * 7 + 2].z() += 5;  // a spike at (0.25, 0.875)
   const Target spiked{soup};
   const double beside =
-      spiked.bound({Vector3(0.21, 0.2, 0.1), Vector3(0.8, 0.3, 0.1), Vector3(0.4, 0.8, 0.1)});
+      spiked.bound({Vector3(0.3, 0.1, 0.1), Vector3(0.9, 0.2, 0.1), Vector3(0.5, 0.7, 0.1)});
   EXPECT_NEAR(beside, 0.1, 1e-12);
   const double under =
-      spiked.bound({Vector3(0.02, 0.6, 0.1), Vector3(0.6, 0.63, 0.1), Vector3(0.15, 0.97, 0.1)});
+      spiked.bound({Vector3(0.1, 0.6, 0.1), Vector3(0.6, 0.63, 0.1), Vector3(0.25, 0.97, 0.1)});
   EXPECT_NEAR(under, 4.9, 1e-12);
 }
 
@@ -85,10 +85,10 @@ TEST(HeightBound, IsNeverBelowTheDistance) {
 }
 
 TEST(HeightBound, IsNotKnownWhereTheSurfaceEnds) {
-  const Target plane{shapes::plane(20)};
+  const Target plane{shapes::plane(8)};
   EXPECT_FALSE(known(plane.bound({Vector3(0.5, 0.2, 0.1), Vector3(1.01, 0.5, 0.1), Vector3(0.5, 0.8, 0.1)})));
-  TriangleSoup soup = shapes::plane(20);
-  soup.faces.erase(soup.faces.begin() + 2 * (20 * 9 + 10));
+  TriangleSoup soup = shapes::plane(8);
+  soup.faces.erase(soup.faces.begin() + 2 * (8 * 4 + 4));
   const Target holed{soup};
   const Corners over{Vector3(0.2, 0.2, 0.1), Vector3(0.8, 0.3, 0.1), Vector3(0.5, 0.9, 0.1)};
   EXPECT_FALSE(known(holed.bound(over)));
@@ -96,7 +96,7 @@ TEST(HeightBound, IsNotKnownWhereTheSurfaceEnds) {
 }
 
 TEST(HeightBound, IsNotKnownWhereFacesDoNotHangTogether) {
-  const TriangleSoup plane = shapes::plane(20);
+  const TriangleSoup plane = shapes::plane(8);
   TriangleSoup torn;  // each face with its own corners
   for (const auto& f : plane.faces) {
     const int n = static_cast<int>(torn.points.size());
@@ -106,14 +106,14 @@ TEST(HeightBound, IsNotKnownWhereFacesDoNotHangTogether) {
   const Corners t{Vector3(0.2, 0.2, 0.1), Vector3(0.8, 0.3, 0.1), Vector3(0.5, 0.9, 0.1)};
   EXPECT_FALSE(known(Target{torn}.bound(t)));
   TriangleSoup turned = plane;  // one of them shows its other side
-  auto& f = turned.faces[2 * (20 * 9 + 10)];
+  auto& f = turned.faces[2 * (8 * 4 + 4)];
   std::swap(f[0], f[1]);
   EXPECT_FALSE(known(Target{turned}.bound(t)));
 }
 
 // Over a pleat the sheet lies three times, once with its other side: it covers all, and its top counts.
 TEST(HeightBound, OfAPleatIsItsTop) {
-  const Target pleat{shapes::grid({30, 10}, [](double u, double v) {
+  const Target pleat{shapes::grid({12, 6}, [](double u, double v) {
     const double s = 3 * u;
     if (s < 1) return Vector3(0.6 * s, v, 0);
     if (s < 2) return Vector3(0.6 - 0.2 * (s - 1), v, 0.1 * (s - 1));
@@ -139,12 +139,12 @@ TEST(HeightBound, IsLeftToSplitsWhereFacesAreTooMany) {
   const auto of_size = [&](double s) {
     return plane.bound({Vector3(0.1, 0.1, 0.1), Vector3(0.1 + s, 0.1, 0.1), Vector3(0.1, 0.1 + s, 0.1)});
   };
-  EXPECT_TRUE(known(of_size(0.1)));
+  EXPECT_TRUE(known(of_size(0.05)));
   EXPECT_FALSE(known(of_size(0.8)));
 }
 
 TEST(HeightBound, OfANeedleIsNotKnown) {
-  const Target plane{shapes::plane(20)};
+  const Target plane{shapes::plane(8)};
   EXPECT_FALSE(known(plane.bound({Vector3(0.2, 0.2, 0.1), Vector3(0.4, 0.4, 0.1), Vector3(0.6, 0.6, 0.1)})));
   EXPECT_FALSE(known(plane.bound({Vector3(0.2, 0.2, 0.1), Vector3(0.2, 0.2, 0.1), Vector3(0.2, 0.2, 0.1)})));
 }
