@@ -438,6 +438,17 @@ TEST(Distance, IsProvenAboveAllSamples) {
   }
 }
 
+// Strips far wider than the input's faces are settled whole, by height: convexity alone leaves four times the
+// distance open after all the splits that are made once a promise is known to be kept.
+TEST(Distance, IsProvenOverManyFacesAtOnce) {
+  const TriangleSoup input = shapes::cylinder(400, 200, 1, 2);
+  RunContext context;
+  const DistanceReport d = measure_distance(input, ClosestPointTree(input.points, input.faces),
+                                            shapes::tube(24, 1, 2), 500, context, 1);
+  EXPECT_NEAR(d.hausdorff(), 1 - std::cos(shapes::kPi / 24), 1e-4);
+  EXPECT_LE(d.at_most, d.hausdorff() + 1e-4);
+}
+
 HeightBound over(const TriangleSoup& input) { return {input.points, input.faces, kDiagonal}; }
 
 TEST(FindFar, FindsPlacesBeyondTheLimitAndNoOthers) {
