@@ -98,7 +98,7 @@ class ComponentRun {
                              : std::make_shared<ClosestPointTree>(input.reference.points,
                                                                   input.reference.faces, context)),
         tree_(*own_tree_),
-        heights_(against().points, against().faces, tree_against().diagonal()) {}
+        heights_(against().points, against().faces, tree_against().diagonal(), context) {}
 
   using Found = std::function<void(std::size_t, const ComponentResult&)>;
   const ClosestPointTree& tree() const { return tree_; }  // of the input

@@ -81,8 +81,8 @@ DistanceReport certificate::measure_distance(const std::vector<Vector3>& points,
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
   hits = {area_samples(points, faces, samples), area_samples(result.points, strips.faces, samples), {}, {}};
-  const HeightBound over_input(points, faces, tree.diagonal()),
-      over_result(result.points, strips.faces, result_tree.diagonal());
+  const HeightBound over_input(points, faces, tree.diagonal(), context),
+      over_result(result.points, strips.faces, result_tree.diagonal(), context);
   OneWayDistance to(in, out, result_tree, &over_result, 0, context),
       back(out, in, tree, &over_input, 0, context);
   const double mean_to = to.measure(hits.on_input, &hits.to_result),
@@ -118,7 +118,7 @@ DistanceReport find_far(const TriangleSoup& input, const ClosestPointTree& tree,
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
   const double enough = kSettled * limit;
-  const HeightBound over_result(result.points, strips.faces, result_tree.diagonal());
+  const HeightBound over_result(result.points, strips.faces, result_tree.diagonal(), context);
   OneWayDistance to(in, out, result_tree, &over_result, enough, context),
       back(out, in, tree, &over_input, enough, context);
   to.measure(certificate::area_samples(in.points, in.faces, kGlances));

@@ -13,6 +13,7 @@ constexpr double kThin = 1e-6;       // sine at a corner below which a triangle 
 // and how many are looked at before it is given up.
 constexpr double kMany = 32;
 constexpr std::size_t kMost = 128;
+constexpr int kOftenEnough = 1 << 17;  // sides that are looked at between two looks at whether to stop
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -22,7 +23,7 @@ double length_or_more(const Vector2& v) { return std::abs(v.x()) + std::abs(v.y(
 // A triangle in its own plane, to which faces are projected.
 class Shadowed {
  public:
-  explicit Shadowed(const std::array<Vector3, 3>& triangle, double rounding)
+  Shadowed(const std::array<Vector3, 3>& triangle, double rounding)
       : origin_(triangle[0]), rounding_(rounding) {
     x_ = (triangle[1] - triangle[0]).stableNormalized();
     const Vector3 across = x_.cross(triangle[2] - triangle[0]);
@@ -126,7 +127,7 @@ class Shadowed {
 }  // namespace
 
 HeightBound::HeightBound(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
-                         double diagonal)
+                         double diagonal, const RunContext& context)
     : points_(points), faces_(faces), rounding_(kRounding * diagonal), beside_(faces.size(), {-1, -1, -1}) {
   const auto from = [&](int side) { return faces[side / 3][side % 3]; };
   const auto to = [&](int side) { return faces[side / 3][(side % 3 + 1) % 3]; };
@@ -138,6 +139,7 @@ HeightBound::HeightBound(const std::vector<Vector3>& points, const std::vector<s
   std::vector<int> end(begin.begin(), begin.end() - 1);
   for (int s = 0; s < n; ++s) sides[end[std::min(from(s), to(s))]++] = s;
   for (int s = 0; s < n; ++s) {
+    if (s % kOftenEnough == 0) context.checkpoint();
     const int lower = std::min(from(s), to(s));
     int count = 0, other = -1;
     for (int i = begin[lower]; i < begin[lower + 1]; ++i) {

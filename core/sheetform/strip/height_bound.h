@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "sheetform/base/run_context.h"
 #include "sheetform/mesh/surface_mesh.h"
 
 namespace sheetform {
@@ -13,9 +14,10 @@ namespace sheetform {
 /// split until each piece has a single face over it.
 class HeightBound {
  public:
-  /// points and faces must outlive it. diagonal: of their bounding box. O(faces).
+  /// points and faces must outlive it. diagonal: of their bounding box. O(faces). Throws as
+  /// context.checkpoint() does, and nothing else.
   HeightBound(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
-              double diagonal);
+              double diagonal, const RunContext& context = {});
 
   /// No point of the triangle is farther from the surface. Infinity where that is not known to be at most
   /// `limit`: where the surface ends over the triangle, has as many faces over it turned up as down, is too
