@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "sheetform/strip/topology.h"
+
 namespace sheetform {
 namespace {
 
@@ -13,7 +15,6 @@ constexpr double kThin = 1e-6;       // sine at a corner below which a triangle 
 // and how many are looked at before it is given up.
 constexpr double kMany = 32;
 constexpr std::size_t kMost = 128;
-constexpr int kOftenEnough = 1 << 17;  // sides that are looked at between two looks at whether to stop
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -129,25 +130,15 @@ class Shadowed {
 HeightBound::HeightBound(const std::vector<Vector3>& points, const std::vector<std::array<int, 3>>& faces,
                          double diagonal, const RunContext& context)
     : points_(points), faces_(faces), rounding_(kRounding * diagonal), beside_(faces.size(), {-1, -1, -1}) {
-  const auto from = [&](int side) { return faces[side / 3][side % 3]; };
-  const auto to = [&](int side) { return faces[side / 3][(side % 3 + 1) % 3]; };
-  // All sides by their lower end.
-  const auto n = static_cast<int>(3 * faces.size());
-  std::vector<int> begin(points.size() + 1, 0), sides(n);
-  for (int s = 0; s < n; ++s) ++begin[std::min(from(s), to(s)) + 1];
-  for (std::size_t v = 0; v < points.size(); ++v) begin[v + 1] += begin[v];
-  std::vector<int> end(begin.begin(), begin.end() - 1);
-  for (int s = 0; s < n; ++s) sides[end[std::min(from(s), to(s))]++] = s;
-  for (int s = 0; s < n; ++s) {
-    if (s % kOftenEnough == 0) context.checkpoint();
-    const int lower = std::min(from(s), to(s));
-    int count = 0, other = -1;
-    for (int i = begin[lower]; i < begin[lower + 1]; ++i) {
-      if (from(sides[i]) + to(sides[i]) != from(s) + to(s)) continue;  // the lower end is the same
-      ++count;
-      if (from(sides[i]) == to(s)) other = sides[i] / 3;
-    }
-    if (count == 2 && other >= 0) beside_[s / 3][s % 3] = other;
+  const EdgeTable table(faces, context);
+  const auto side = [&](const EdgeTable::Use& u) -> int& {
+    const auto& t = faces[u.face];
+    return beside_[u.face][t[0] == u.a ? 0 : t[1] == u.a ? 1 : 2];
+  };
+  for (const EdgeTable::Edge& e : table.edges) {
+    if (e.count != 2 || table.use(e, 0).a == table.use(e, 1).a) continue;
+    side(table.use(e, 0)) = table.use(e, 1).face;
+    side(table.use(e, 1)) = table.use(e, 0).face;
   }
 }
 

@@ -1,11 +1,12 @@
 #include "sheetform/strip/topology.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <numeric>
 
 namespace sheetform {
 namespace {
+
+constexpr int kOftenEnough = 1 << 17;  // sides or vertices between two looks at whether to stop
 
 class DisjointSets {
  public:
@@ -67,25 +68,36 @@ int count_border_loops(const std::vector<Triple>& faces, const EdgeTable& table,
 
 }  // namespace
 
-EdgeTable::EdgeTable(const std::vector<Triple>& faces) {
-  std::vector<std::pair<std::uint64_t, int>> order;  // (edge, face corner where it begins)
-  order.reserve(3 * faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::uint32_t>(faces[f][k]),
-                 b = static_cast<std::uint32_t>(faces[f][(k + 1) % 3]);
-      order.emplace_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<int>(3 * f) + k);
-    }
-  std::sort(order.begin(), order.end());
+// Sides (3 f + k) are dealt out by their lower end, then sorted there: few have the same.
+EdgeTable::EdgeTable(const std::vector<Triple>& faces, const RunContext& context) {
+  const auto n = static_cast<int>(3 * faces.size());
+  const auto use_of = [&](int s) { return Use{faces[s / 3][s % 3], faces[s / 3][(s % 3 + 1) % 3], s / 3}; };
+  int vertices = 0;
+  for (const Triple& t : faces) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<int> begin(vertices + 1, 0);
+  for (int s = 0; s < n; ++s) {
+    if (s % kOftenEnough == 0) context.checkpoint();
+    const Use u = use_of(s);
+    ++begin[std::min(u.a, u.b) + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::pair<int, int>> order(n);  // (upper end, side), by lower end
+  std::vector<int> end(begin.begin(), begin.end() - 1);
+  for (int s = 0; s < n; ++s) {
+    if (s % kOftenEnough == 0) context.checkpoint();
+    const Use u = use_of(s);
+    order[end[std::min(u.a, u.b)]++] = {std::max(u.a, u.b), s};
+  }
   uses.reserve(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const int face = order[i].second / 3, k = order[i].second % 3;
-    uses.push_back({faces[face][k], faces[face][(k + 1) % 3], face});
-    if (i > 0 && order[i].first == order[i - 1].first) {
-      ++edges.back().count;
-    } else {
-      const Use& u = uses.back();
-      edges.push_back({std::min(u.a, u.b), std::max(u.a, u.b), static_cast<int>(i), 1});
+  for (int v = 0; v < vertices; ++v) {
+    if (v % kOftenEnough == 0) context.checkpoint();
+    std::sort(order.begin() + begin[v], order.begin() + begin[v + 1]);
+    for (int i = begin[v]; i < begin[v + 1]; ++i) {
+      uses.push_back(use_of(order[i].second));
+      if (i > begin[v] && order[i].first == order[i - 1].first)
+        ++edges.back().count;
+      else
+        edges.push_back({v, order[i].first, i, 1});
     }
   }
 }

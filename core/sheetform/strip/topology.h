@@ -3,11 +3,14 @@
 #include <array>
 #include <vector>
 
+#include "sheetform/base/run_context.h"
+
 namespace sheetform {
 
 using Triple = std::array<int, 3>;
 
-/// Every edge of a list of triangles with all its uses, sorted by (a, b). Cost O(n log n).
+/// Every edge of a list of triangles with all its uses, sorted by (a, b). Cost O(n) for vertices of few
+/// faces, O(n log n) at worst.
 struct EdgeTable {
   struct Use {
     int a, b, face;  ///< in the direction in which `face` runs it
@@ -20,7 +23,8 @@ struct EdgeTable {
   std::vector<Edge> edges;
 
   EdgeTable() = default;
-  explicit EdgeTable(const std::vector<Triple>& faces);
+  /// Indices are not negative. Throws as context.checkpoint() does, and nothing else.
+  explicit EdgeTable(const std::vector<Triple>& faces, const RunContext& context = {});
   int find(int a, int b) const;  ///< index into edges, -1 if there is none
   const Use& use(const Edge& e, int k) const { return uses[e.first + k]; }
 };
