@@ -65,6 +65,10 @@ bool LayoutSearch::try_improve(const Proposal& proposal) {
   kept_path_ = network_.insert_edges(run, PathKind::kCut);
   changed();
   if (!viable_region(network_.network(), faces) || !region_fits(faces)) return false;
+  // To look for darts also where there is a part too many brings none less (58 meshes of up to 13 parts, at 5
+  // and 2 %) and takes 6 and 2 % more time.
+  remove_arches();
+  if (layout().patches.size() > parts_before) return false;
   leave_darts();
   const std::size_t parts = layout().patches.size();
   return parts < parts_before || (parts == parts_before && objective() < before + kPlateau);
