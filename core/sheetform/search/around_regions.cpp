@@ -44,9 +44,10 @@ bool LayoutSearch::can_avoid(const Patch& patch) const {
 }
 
 std::vector<int> LayoutSearch::split_around(const PatchLayout& before, int patch,
-                                            const PatchEvaluation& evaluation) const {
+                                            const PatchEvaluation& evaluation, double least_share) const {
   const bool around = can_avoid(before.patches[patch]);
-  return split_patch(surface_.mesh, before, patch, evaluation, around ? &surface_.keep_out : nullptr);
+  return split_patch(surface_.mesh, before, patch, evaluation, around ? &surface_.keep_out : nullptr,
+                     least_share);
 }
 
 Vector3 LayoutSearch::outside_regions(const Vector3& from, const Vector3& to) const {

@@ -12,15 +12,13 @@
 
 #include "sheetform/base/error.h"
 #include "sheetform/ruling/follow_crosses.h"
+#include "sheetform/search/attempt.h"
 #include "sheetform/search/detail_points.h"
 #include "sheetform/search/fair_outlines.h"
-#include "sheetform/search/finish.h"
 #include "sheetform/search/full_shape.h"
 #include "sheetform/search/laps.h"
 #include "sheetform/search/patch_tilt.h"
-#include "sheetform/search/spacing.h"
 #include "sheetform/search/stroke_ends.h"
-#include "sheetform/strip/certificate.h"
 #include "sheetform/strip/mirror_distance.h"
 
 namespace sheetform {
@@ -57,29 +55,12 @@ constexpr int kOutlineRounds = 2, kFewParts = 8;
 constexpr int kSpacingRounds = 15;  // of splitting; after these, valid strips go before the distances
 constexpr double kFineSpacing = ComponentParams().fine_spacing;
 constexpr int kFinerAttempts = 3;
+// What is split in the end: of a part's area, either side should have so much; after so many rounds all that
+// is too far, not only the farthest.
+constexpr double kLeastSplit = 0.05;
+constexpr int kRoundsOfFarthest = 15;
 constexpr double kFacing = 1e-3;  // mean cosine to the input below which strips are inside out
 constexpr const char* kFiner = "a part thinner than the tolerance was kept by working to a finer one";
-
-// The layout as strips, and what is still wrong with it.
-struct Attempt {
-  FinishedLayout finished;
-  EvaluationParams evaluation;
-  SpacingMiss uneven;  // against the bounds asked for
-  StripMesh strips;
-  std::vector<int> invalid;   // patches that break a strict promise
-  std::vector<int> too_far;   // valid patches beyond the tolerance
-  std::vector<int> hard;      // those of them beyond it by more than the next morph makes good
-  std::vector<FarPlace> far;  // what the next morph should know
-  double distance = 0;
-  double miss = 0;  // of ComponentResult
-  std::size_t bad() const { return invalid.size() + too_far.size(); }
-  bool good() const { return bad() == 0; }
-  // Whether a patch has no strips at all; then nothing is measured.
-  bool has_gaps() const {
-    const auto& patches = finished.source.patches;
-    return std::any_of(patches.begin(), patches.end(), [](const auto& p) { return p.triangles.empty(); });
-  }
-};
 
 // Creases and drawn seams: the field follows them and paths end there.
 std::vector<char> lines_of(const ComponentInput& input) {
@@ -341,16 +322,16 @@ class ComponentRun {
         have_best = true;
         if (attempt.too_far.empty()) return enlarge(search, round, outline);
         if (round >= 30) return;
-        search.reject(attempt.too_far);
-        if (search.split(attempt.too_far, PatchVerdict::kError) == 0) return;
+        if (!split_far(search, attempt, round)) return;
       } else {
         search.reject(attempt.invalid);
-        search.reject(attempt.too_far);
-        const std::vector<std::uint64_t> far = keys_of(search.layout(), attempt.too_far);
-        if (search.split(attempt.invalid, PatchVerdict::kOverlap) == 0 &&
+        const std::vector<int> too_far = far_to_split(attempt, round);
+        search.reject(too_far);
+        const std::vector<std::uint64_t> far = keys_of(search.layout(), too_far);
+        if (search.split(attempt.invalid, PatchVerdict::kOverlap, kLeastSplit) == 0 &&
             search.give_away(attempt.invalid) == 0)
           break;
-        search.split(patches_with(search.layout(), far), PatchVerdict::kError);
+        search.split(patches_with(search.layout(), far), PatchVerdict::kError, kLeastSplit);
       }
       if (round < 6 && params_.evaluation.t_junctions) {
         search.leave_darts();
@@ -358,6 +339,19 @@ class ComponentRun {
         if (!quick()) search.grow_slight();
       }
     }
+  }
+
+  static std::vector<int> far_to_split(const Attempt& attempt, int round) {
+    return round < kRoundsOfFarthest ? attempt.farthest() : attempt.too_far;
+  }
+
+  // Whether any part of what is too far could be split.
+  static bool split_far(LayoutSearch& search, const Attempt& attempt, int round) {
+    for (const std::vector<int>& patches : {far_to_split(attempt, round), attempt.too_far}) {
+      search.reject(patches);
+      if (search.split(patches, PatchVerdict::kError, kLeastSplit) > 0) return true;
+    }
+    return false;
   }
 
   // The last passes keep the tolerance a little better than the search can tell: what is slight still grows
@@ -441,11 +435,12 @@ class ComponentRun {
       eased |= mended;
       const std::vector<int> too_far = attempt.too_far;
       if (step == 0 || rank(attempt) < rank(best)) best = std::move(attempt);
-      if (best.invalid.empty() && best.miss > kLost && stale >= kStale) break;
+      const int patience = std::max(kStale, static_cast<int>(best.bad() / 2));
+      if (best.invalid.empty() && best.miss > kLost && stale >= patience) break;
       if (stuck || (step > 0 && to_beat != nullptr && far_behind(best, *to_beat))) break;
       if (eased) continue;
       if (too_far.empty()) break;
-      if (stale >= kStale) {
+      if (stale >= patience) {
         if (!pass.plainer(too_far)) break;
         stale = 0;
       }
@@ -489,11 +484,12 @@ class ComponentRun {
     attempt.distance = d.hausdorff();
     attempt.miss = attempt.distance / params_.evaluation.e_max;
     attempt.far = std::move(d.far);
-    for (int p = 0; p < static_cast<int>(attempt.strips.patches.size()); ++p)
-      if (d.patch_error[p] > kMeasured * params_.evaluation.e_max &&
-          !std::binary_search(attempt.invalid.begin(), attempt.invalid.end(), p)) {
+    attempt.error = std::move(d.patch_error);
+    for (double& error : attempt.error) error /= params_.evaluation.e_max;
+    for (int p = 0; p < parts; ++p)
+      if (attempt.error[p] > kMeasured && is_invalid[p] == 0) {
         attempt.too_far.push_back(p);
-        if (d.patch_error[p] > kHard * params_.evaluation.e_max) attempt.hard.push_back(p);
+        if (attempt.error[p] > kHard) attempt.hard.push_back(p);
       }
     measure_tilt(attempt);
     return attempt;
@@ -529,8 +525,10 @@ class ComponentRun {
     for (const StripMesh::Patch& p : attempt.strips.patches) area.push_back(area_of(attempt.strips, p));
     const double least = kLeastTiltedShare * std::accumulate(area.begin(), area.end(), 0.0);
     for (std::size_t p = 0; p < area.size(); ++p)
-      if (area[p] > least && normals.patch_quantile[p] > limit)
+      if (area[p] > least && normals.patch_quantile[p] > limit) {
         attempt.too_far.push_back(static_cast<int>(p));
+        attempt.error[p] = std::max(attempt.error[p], normals.patch_quantile[p] / limit);
+      }
     std::sort(attempt.too_far.begin(), attempt.too_far.end());
     attempt.too_far.erase(std::unique(attempt.too_far.begin(), attempt.too_far.end()), attempt.too_far.end());
   }

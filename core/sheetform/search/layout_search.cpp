@@ -171,14 +171,14 @@ bool LayoutSearch::insert_best(const std::vector<int>& bad) {
   return true;
 }
 
-int LayoutSearch::split(const std::vector<int>& patches, PatchVerdict reason) {
+int LayoutSearch::split(const std::vector<int>& patches, PatchVerdict reason, double least_share) {
   int done = 0;
   const PatchLayout before = layout();
   for (int p : patches) {
     const auto known = evaluator_->patch(before, p);
     PatchEvaluation asked = *known;
     if (known->viable() || known->verdict == PatchVerdict::kError) asked.verdict = reason;
-    const std::vector<int> edges = split_around(before, p, asked);
+    const std::vector<int> edges = split_around(before, p, asked, least_share);
     if (edges.empty()) continue;
     network_.insert_edges(edges, PathKind::kCut);
     ++done;

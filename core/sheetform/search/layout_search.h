@@ -90,8 +90,8 @@ class LayoutSearch {
   void reject(const std::vector<int>& patches);
   /// Smooths all paths on the surface; patches near them are evaluated anew.
   void smooth() { smooth(SmoothParams().cutoff_edges); }
-  /// Splits these patches (by id in layout()); returns how many were split.
-  int split(const std::vector<int>& patches, PatchVerdict reason);
+  /// Splits these patches (by id in layout()); returns how many were split. least_share: see split_patch.
+  int split(const std::vector<int>& patches, PatchVerdict reason, double least_share = 0);
   /// For patches that cannot be split: each goes to the neighbour beyond its longest arch that may go,
   /// whatever becomes of that; returns how many went.
   int give_away(const std::vector<int>& patches);
@@ -181,8 +181,8 @@ class LayoutSearch {
   double length_inside(const std::vector<int>& edges) const;
   double length_inside();
   bool can_avoid(const Patch& patch) const;
-  std::vector<int> split_around(const PatchLayout& before, int patch,
-                                const PatchEvaluation& evaluation) const;
+  std::vector<int> split_around(const PatchLayout& before, int patch, const PatchEvaluation& evaluation,
+                                double least_share) const;
   Vector3 outside_regions(const Vector3& from, const Vector3& to) const;
   std::vector<std::vector<int>> arches_inside();
   bool recut_around(const std::vector<int>& arch);

@@ -400,6 +400,53 @@ WantedCut through_the_middle(const SurfaceMesh& mesh, const ChartCutter& cutter,
   return wanted;
 }
 
+// The share of the patch's area that a cut leaves on its smallest side; 0 where it parts nothing.
+double smallest_share(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                      const std::vector<int>& cut) {
+  std::set<int> left(patch.faces.begin(), patch.faces.end());
+  double smallest = patch.area;
+  for (int sides = 1; !left.empty(); ++sides) {
+    std::vector<int> side{*left.begin()};
+    left.erase(left.begin());
+    double area = 0;
+    for (std::size_t i = 0; i < side.size(); ++i) {
+      area += mesh.face_normal_raw(side[i]).norm() / 2;
+      for (int e : mesh.face_edges[side[i]]) {
+        if (layout.edge_arch[e] >= 0 || std::find(cut.begin(), cut.end(), e) != cut.end()) continue;
+        const int beyond = mesh.edges[e].other_face(side[i]);
+        if (left.erase(beyond) > 0) side.push_back(beyond);
+      }
+    }
+    if (sides == 1 && left.empty()) return 0;
+    smallest = std::min(smallest, area);
+  }
+  return smallest / patch.area;
+}
+
+// The cut that is wanted, or another where it leaves less than this share of the patch on one side: it may be
+// cheapest to cut off a corner at one end of a line that leaves the chart, face by face again and again.
+std::vector<int> even_cut(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                          const ChartCutter& cutter, const PatchChart& chart, const WantedCut& wanted,
+                          double least_share) {
+  std::vector<int> best = cutter.cut(wanted);
+  if (least_share <= 0) return best;
+  double share = smallest_share(mesh, layout, patch, best);
+  const auto try_line = [&](const std::vector<Vector2>& line, bool apart) {
+    if (share >= least_share) return;
+    WantedCut other;
+    other.line = line;
+    if (apart) keep_apart(cutter, other);
+    std::vector<int> cut = cutter.cut(other);
+    const double now = smallest_share(mesh, layout, patch, cut);
+    if (now > share) share = now, best = std::move(cut);
+  };
+  const std::vector<Vector2> middle = across_longer_axis(chart);
+  try_line(wanted.line, true);
+  try_line(middle, false);
+  try_line(middle, true);
+  return best;
+}
+
 // From the loose end of a slit (a crease that ends inside of the patch) to the nearest other network vertex.
 std::vector<int> extend_loose_end(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
                                   const CutLength& length) {
@@ -502,7 +549,8 @@ std::vector<Line> short_lines(const ChartCutter& cutter, double most, double lea
 }  // namespace
 
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
-                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out) {
+                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out,
+                             double least_share) {
   const Patch& p = layout.patches[patch];
   const CutLength length{mesh, keep_out};
   if (p.defect == TopologyDefect::kNotADisk) {
@@ -538,7 +586,7 @@ std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout,
     if (!wanted.line.empty() && evaluation.corners.size() > kManyCorners) keep_apart(cutter, wanted);
   }
   if (wanted.line.empty()) wanted.line = across_longer_axis(*chart);
-  std::vector<int> edges = cutter.cut(wanted);
+  std::vector<int> edges = even_cut(mesh, layout, p, cutter, *chart, wanted, least_share);
   if (!edges.empty() || wanted.avoid_a < 0) return edges;
   wanted.avoid_a = wanted.avoid_b = -1;
   return cutter.cut(wanted);

@@ -14,9 +14,12 @@ namespace sheetform {
 /// - folded: between the two points of its outline that are farthest apart;
 /// - no rulings, overlapping: across the longer axis of its chart;
 /// - error: across its rulings at the worst place, so that they get shorter (method.md 13.4).
-/// keep_out: by edge, where a cut counts as much longer than it is; null = nowhere.
+/// keep_out: by edge, where a cut counts as much longer than it is; null = nowhere. least_share: of the
+/// patch's area that either side should have: where the cut of a disk leaves less, others are tried, and the
+/// one that leaves most on its smaller side is taken.
 std::vector<int> split_patch(const SurfaceMesh& mesh, const PatchLayout& layout, int patch,
-                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out = nullptr);
+                             const PatchEvaluation& evaluation, const std::vector<char>* keep_out = nullptr,
+                             double least_share = 0);
 
 /// A cut that is straight in the chart, as mesh edges; length: of the line in the chart.
 struct StraightCut {
