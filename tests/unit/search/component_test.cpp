@@ -1,4 +1,5 @@
 #include "sheetform/search/component.h"
+#include "sheetform/search/attempt.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "sheetform/search/attempt.h"
 #include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/finish.h"
 #include "sheetform/strip/certificate.h"
@@ -14,6 +16,17 @@
 
 namespace sheetform {
 namespace {
+
+TEST(Attempt, FarthestAreThoseBeyondHalfOfTheLargestExcess) {
+  Attempt attempt;
+  EXPECT_TRUE(attempt.farthest().empty());
+  attempt.error = {1.3, 0.5, 1.6, 1.29, 3.0};  // the last one is invalid: it does not count
+  attempt.too_far = {0, 2, 3};
+  EXPECT_EQ(attempt.farthest(), (std::vector<int>{0, 2}));
+  attempt.error = {0.999, 0.5, 0.9985, 0.2, 0.2};  // so near that all count
+  attempt.too_far = {0, 2};
+  EXPECT_EQ(attempt.farthest(), attempt.too_far);
+}
 
 ComponentInput input_of(const TriangleSoup& soup) {
   ComponentInput input;
