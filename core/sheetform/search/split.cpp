@@ -400,27 +400,22 @@ WantedCut through_the_middle(const SurfaceMesh& mesh, const ChartCutter& cutter,
   return wanted;
 }
 
-// The share of the patch's area that a cut leaves on its smallest side; 0 where it parts nothing.
-double smallest_share(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
-                      const std::vector<int>& cut) {
-  std::set<int> left(patch.faces.begin(), patch.faces.end());
-  double smallest = patch.area;
-  for (int sides = 1; !left.empty(); ++sides) {
-    std::vector<int> side{*left.begin()};
-    left.erase(left.begin());
-    double area = 0;
-    for (std::size_t i = 0; i < side.size(); ++i) {
-      area += mesh.face_normal_raw(side[i]).norm() / 2;
-      for (int e : mesh.face_edges[side[i]]) {
-        if (layout.edge_arch[e] >= 0 || std::find(cut.begin(), cut.end(), e) != cut.end()) continue;
-        const int beyond = mesh.edges[e].other_face(side[i]);
-        if (left.erase(beyond) > 0) side.push_back(beyond);
-      }
+// The share of a disk's area that a cut leaves on its smaller side; 0 where there is none.
+double smaller_share(const SurfaceMesh& mesh, const PatchLayout& layout, const Patch& patch,
+                     const std::vector<int>& cut) {
+  if (cut.empty()) return 0;
+  std::vector<int> side{mesh.edges[cut[0]].f0};
+  std::set<int> seen(side.begin(), side.end());
+  double area = 0;
+  for (std::size_t i = 0; i < side.size(); ++i) {
+    area += mesh.face_normal_raw(side[i]).norm() / 2;
+    for (int e : mesh.face_edges[side[i]]) {
+      if (layout.edge_arch[e] >= 0 || std::find(cut.begin(), cut.end(), e) != cut.end()) continue;
+      const int beyond = mesh.edges[e].other_face(side[i]);
+      if (seen.insert(beyond).second) side.push_back(beyond);
     }
-    if (sides == 1 && left.empty()) return 0;
-    smallest = std::min(smallest, area);
   }
-  return smallest / patch.area;
+  return std::min(area, patch.area - area) / patch.area;
 }
 
 // The cut that is wanted, or another where it leaves less than this share of the patch on one side: it may be
@@ -430,14 +425,14 @@ std::vector<int> even_cut(const SurfaceMesh& mesh, const PatchLayout& layout, co
                           double least_share) {
   std::vector<int> best = cutter.cut(wanted);
   if (least_share <= 0) return best;
-  double share = smallest_share(mesh, layout, patch, best);
+  double share = smaller_share(mesh, layout, patch, best);
   const auto try_line = [&](const std::vector<Vector2>& line, bool apart) {
     if (share >= least_share) return;
     WantedCut other;
     other.line = line;
     if (apart) keep_apart(cutter, other);
     std::vector<int> cut = cutter.cut(other);
-    const double now = smallest_share(mesh, layout, patch, cut);
+    const double now = smaller_share(mesh, layout, patch, cut);
     if (now > share) share = now, best = std::move(cut);
   };
   const std::vector<Vector2> middle = across_longer_axis(chart);

@@ -1,5 +1,4 @@
 #include "sheetform/search/component.h"
-#include "sheetform/search/attempt.h"
 
 #include <gtest/gtest.h>
 
