@@ -16,6 +16,7 @@
 #include "sheetform/mesh/working_mesh.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
+#include "sheetform/strip/close_points.h"
 #include "sheetform/strip/mirror.h"
 #include "sheetform/sweep.h"
 
@@ -550,6 +551,8 @@ class Sweep {
     if (half_)
       d.strips = join_images(with_mirror_image(d.strips),
                              {params_.max_sides, !params_.t_junctions, params_.self_seams});
+    else
+      part_close_points(d.strips, 1);
     for (Vector3& p : d.strips.points) p = norm_.out(half_ ? half_->frame.out(p) : p);
     for (Vector2& u : d.strips.uvs) u *= norm_.diagonal;
     const auto start = Clock::now();

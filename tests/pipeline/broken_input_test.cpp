@@ -138,5 +138,38 @@ TEST(BrokenInput, NothingToDecomposeIsRefused) {
   }
 }
 
+// Boxes at opposite corners of one point, as checkerboards and lattices have them.
+TEST(BrokenInput, SolidsThatTouchInACornerStayApart) {
+  TriangleSoup soup = shapes::box(2, {1, 1, 1});
+  const std::size_t points = soup.points.size(), faces = soup.faces.size();
+  for (std::size_t i = 0; i < points; ++i) soup.points.push_back(soup.points[i] + Vector3(1, 1, 1));
+  for (std::size_t f = 0; f < faces; ++f) {
+    const auto t = soup.faces[f];
+    const int n = static_cast<int>(points);
+    soup.faces.push_back({t[0] + n, t[1] + n, t[2] + n});
+  }
+  const Decomposition d = run(soup);
+  EXPECT_TRUE(d.certificate.strict());
+  EXPECT_TRUE(d.report.e_max_met);
+  EXPECT_EQ(std::count_if(d.audit.findings.begin(), d.audit.findings.end(),
+                          [](const AuditFinding& f) { return f.kind == "bow-tie-vertex"; }),
+            1);
+}
+
+// Two sides and nothing between them, as leaves, wings and curtains are modelled.
+TEST(BrokenInput, SheetsWithTwoSidesAreTakenAsTheyAre) {
+  TriangleSoup soup = shapes::box(4, {1, 1, 1});
+  const std::vector<Vector3> leaf{{2, 0, 0}, {3, 0, 0.2}, {3, 1, 0.2}, {2, 1, 0}};
+  const int n = static_cast<int>(soup.points.size());
+  soup.points.insert(soup.points.end(), leaf.begin(), leaf.end());
+  for (const std::array<int, 3>& t :
+       {std::array{0, 1, 2}, std::array{0, 2, 3}, std::array{1, 0, 3}, std::array{1, 3, 2}})
+    soup.faces.push_back({n + t[0], n + t[1], n + t[2]});
+  const Decomposition d = run(soup);
+  EXPECT_TRUE(d.certificate.strict());
+  EXPECT_TRUE(d.report.e_max_met);
+  EXPECT_EQ(d.strips.patches.size(), 8u);
+}
+
 }  // namespace
 }  // namespace sheetform

@@ -269,7 +269,14 @@ OpenMesh::HalfedgeHandle Remesher::best_collapse(Edge e, bool first) {
 bool Remesher::may_collapse(Half h) {
   const Vertex gone = mesh_.from_vertex_handle(h);
   if (kind(gone) == kCorner || (kind(gone) == kOnLine && line(mesh_.edge_handle(h)) < 0)) return false;
-  return keeps_lines(h) && keeps_shape(h) && mesh_.is_collapse_ok(h);
+  return !ends_tetrahedron(h) && keeps_lines(h) && keeps_shape(h) && mesh_.is_collapse_ok(h);
+}
+
+// Of a tetrahedron two faces back to back would stay, which is no surface (and fine for is_collapse_ok).
+bool Remesher::ends_tetrahedron(Half h) const {
+  const Vertex gone = mesh_.from_vertex_handle(h), stays = mesh_.to_vertex_handle(h);
+  return mesh_.valence(gone) == 3 && mesh_.valence(stays) == 3 && !mesh_.is_boundary(gone) &&
+         !mesh_.is_boundary(stays);
 }
 
 // No two lines may fall together, no line may cut its bends short, no long chord may arise.

@@ -43,6 +43,7 @@ class Remesher {
   bool keeps_faces(Half h, const Vector3& p) const;
   Half best_collapse(Edge e, bool first);
   bool may_collapse(Half h);
+  bool ends_tetrahedron(Half h) const;
   bool keeps_lines(Half h) const;
   bool keeps_shape(Half h) const;
   double loss(Half h) const;

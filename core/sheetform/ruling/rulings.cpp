@@ -8,6 +8,9 @@ namespace sheetform {
 namespace {
 
 constexpr double kForbidden = 1e9;
+// Of min_height: triangles that are lower still are as good as none, and cost as much as a part beyond the
+// tolerance does, or all of a sliver's triangles are dear and one without area makes the others higher.
+constexpr double kNoHeight = 0.02;
 constexpr int kSamples = 7;  // inner samples of a chord
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -117,6 +120,7 @@ class StripSearch {
     if (2 * area < least) {
       const double lack = 1 - 2 * area / std::max(least, 1e-300);  // over 1: inverted
       cost += area > 0 ? 0.05 * lack : 10 + lack;
+      if (2 * area < kNoHeight * least) cost += 1;
     }
     return cost;
   }

@@ -19,6 +19,7 @@
 #include "sheetform/search/laps.h"
 #include "sheetform/search/patch_tilt.h"
 #include "sheetform/search/stroke_ends.h"
+#include "sheetform/strip/close_points.h"
 #include "sheetform/strip/mirror_distance.h"
 
 namespace sheetform {
@@ -242,6 +243,7 @@ class ComponentRun {
     if (input_.half) search.straighten_plane();
     laps_.lap(Stage::kRemove);
     finish(search);
+    part_close_points(result_.strips, 1);
     const bool asked_for = params_.spacing.any() || !input_.guide.empty();
     if (!asked_for) drop_flat_rulings(result_.strips);
     laps_.lap(Stage::kFinal);
@@ -647,10 +649,11 @@ class ComponentRun {
 ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, const ClosestPointTree& tree,
                            ComponentParams params, RunContext& context) {
   for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
-    if (facing(result.strips, input.reference, tree) > kFacing &&
-        check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0, nullptr,
-                        context)
-            .empty())
+    const bool apart =
+        facing(result.strips, input.reference, tree) > kFacing || !has_thickness(input.reference);
+    if (apart && check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0,
+                                 nullptr, context)
+                     .empty())
       break;
     params.evaluation.e_max /= 2;
     const EvaluationCounts before = result.counts;

@@ -130,7 +130,11 @@ void FinalPass::draw_to(const std::vector<FarPlace>& far) {
 FinishedLayout FinalPass::solve(int rounds) {
   if (!distinct_) make_distinct();
   LayoutEvaluation e = evaluator_.solve(layout_, patches_, rounds, drawn_);
-  flatten(e.unknowns, e.on_plane, kAlmostPlane * evaluator_.params().e_max, e.position);
+  std::vector<std::array<int, 3>> triangles;
+  for (std::size_t p = 0; p < patches_.size(); ++p)
+    for (const auto& t : patches_[p]->rulings.triangles)
+      triangles.push_back({e.unknowns[p][t[0]], e.unknowns[p][t[1]], e.unknowns[p][t[2]]});
+  flatten(e.unknowns, triangles, e.on_plane, kAlmostPlane * evaluator_.params().e_max, e.position);
   FinishedLayout out;
   out.source.points = e.position;
   const auto n = static_cast<int>(layout_.patches.size());

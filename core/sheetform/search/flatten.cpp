@@ -3,11 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sheetform {
 namespace {
 
 constexpr int kRounds = 40;
+constexpr double kLeastHeight = 0.1;  // of what a triangle had
 
 struct Plane {
   Vector3 centre, normal;
@@ -32,10 +34,27 @@ double worst(const Plane& plane, const std::vector<int>& patch, const std::vecto
   return most;
 }
 
+// Twice its area.
+Vector3 normal_of(const std::array<int, 3>& t, const std::vector<Vector3>& points) {
+  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+}
+
+double least_height(const std::array<int, 3>& t, const std::vector<Vector3>& points) {
+  double longest = 1e-300;
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, (points[t[k]] - points[t[(k + 1) % 3]]).norm());
+  return normal_of(t, points).norm() / longest;
+}
+
+bool collapses(const std::array<int, 3>& t, const std::vector<Vector3>& before,
+               const std::vector<Vector3>& after) {
+  return normal_of(t, before).dot(normal_of(t, after)) <= 0 ||
+         least_height(t, after) < kLeastHeight * least_height(t, before);
+}
+
 }  // namespace
 
-void flatten(const std::vector<std::vector<int>>& patches, const std::vector<char>& on_plane, double slack,
-             std::vector<Vector3>& points) {
+void flatten(const std::vector<std::vector<int>>& patches, const std::vector<std::array<int, 3>>& triangles,
+             const std::vector<char>& on_plane, double slack, std::vector<Vector3>& points) {
   std::vector<const std::vector<int>*> flat;
   std::vector<Plane> planes;
   for (const std::vector<int>& patch : patches) {
@@ -43,13 +62,23 @@ void flatten(const std::vector<std::vector<int>>& patches, const std::vector<cha
     const Plane plane = fitted(patch, points);
     if (worst(plane, patch, points) <= slack) flat.push_back(&patch), planes.push_back(plane);
   }
-  // The planes stay; a point of several goes to where they meet.
-  for (int round = 0; round < kRounds; ++round)
-    for (std::size_t k = 0; k < flat.size(); ++k)
-      for (int i : *flat[k]) {
-        points[i] -= planes[k].height(points[i]) * planes[k].normal;
-        if (!on_plane.empty() && on_plane[i]) points[i].x() = 0;
-      }
+  std::vector<char> stays(points.size(), 0);
+  for (bool again = true; again;) {
+    // The planes stay; a point of several goes to where they meet.
+    std::vector<Vector3> moved = points;
+    for (int round = 0; round < kRounds; ++round)
+      for (std::size_t k = 0; k < flat.size(); ++k)
+        for (int i : *flat[k]) {
+          if (stays[i]) continue;
+          moved[i] -= planes[k].height(moved[i]) * planes[k].normal;
+          if (!on_plane.empty() && on_plane[i]) moved[i].x() = 0;
+        }
+    again = false;
+    for (const auto& t : triangles)
+      if (collapses(t, points, moved))
+        for (int i : t) again |= !std::exchange(stays[i], 1);
+    if (!again) points = std::move(moved);
+  }
 }
 
 }  // namespace sheetform

@@ -63,6 +63,8 @@ double diagonal_of(const TriangleSoup& soup) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
+constexpr double kThin = 1e-4;  // of the diagonal of a component
+
 }  // namespace
 
 std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_diagonal) {
@@ -99,6 +101,23 @@ double facing(const StripMesh& result, const TriangleSoup& surface, const Closes
       area += normal.norm();
     }
   return area > 0 ? sum / area : 0;
+}
+
+bool has_thickness(const TriangleSoup& surface) {
+  Eigen::AlignedBox3d box;
+  for (const auto& f : surface.faces)
+    for (int i : f) box.extend(surface.points[i]);
+  if (box.isEmpty()) return false;
+  const Vector3 centre = box.center();
+  Vector3 open = Vector3::Zero();  // of a closed surface the normals add up to nothing
+  double area = 0, volume = 0;
+  for (const auto& f : surface.faces) {
+    const Vector3 a = surface.points[f[0]] - centre, b = surface.points[f[1]] - centre,
+                  c = surface.points[f[2]] - centre;
+    const Vector3 normal = (b - a).cross(c - a) / 2;
+    open += normal, area += normal.norm(), volume += a.dot(normal) / 3;
+  }
+  return open.norm() > kThin * area || 2 * std::abs(volume) > kThin * area * box.diagonal().norm();
 }
 
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,

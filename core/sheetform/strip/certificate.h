@@ -70,6 +70,10 @@ std::vector<Defect> check_structure(const StripMesh& result, const SurfaceMesh* 
 /// other than the strips to either are told apart by chance: about 0. O(n log n).
 double facing(const StripMesh& result, const TriangleSoup& surface, const ClosestPointTree& tree);
 
+/// Whether the sides of a surface can be told apart by what is nearest: not where it is a sheet without
+/// thickness (2 volume / area below 1e-4 of its diagonal) that is closed to have two sides. O(faces).
+bool has_thickness(const TriangleSoup& surface);
+
 /// Defects of one patch alone that only need its own triangles: S3, S6, S7, S8 and its part of S9.
 /// Used inside the search before a patch is committed.
 std::vector<Defect> check_patch(const StripMesh& result, int patch, double bbox_diagonal);

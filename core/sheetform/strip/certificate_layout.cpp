@@ -5,6 +5,7 @@
 
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/strip/certificate_checks.h"
+#include "sheetform/strip/close_points.h"
 
 namespace sheetform::certificate {
 namespace {
@@ -129,7 +130,8 @@ std::vector<double> agreements(const Whole& w, const ClosestPointTree& tree,
 }
 
 // Each component must show its outside where the input does. A small one that lies on a larger one (a flap
-// that repair cut off) is nearest to either of them: what it was made from decides.
+// that repair cut off) is nearest to either of them: what it was made from decides. Of a sheet without
+// thickness nothing tells.
 void compare_orientation(const Whole& w, const SurfaceMesh& input, const ClosestPointTree& tree,
                          std::vector<Defect>& out) {
   const int count = w.topology.components;
@@ -144,12 +146,15 @@ void compare_orientation(const Whole& w, const SurfaceMesh& input, const Closest
     std::vector<int> own;
     for (int f = 0; f < input.face_count(); ++f)
       if (origin[f] == w.result.patches[patch].component) own.push_back(f);
-    std::vector<std::array<int, 3>> faces;
-    for (int f : own) faces.push_back(input.faces[f]);
+    TriangleSoup alone{input.points, {}};
+    for (int f : own) alone.faces.push_back(input.faces[f]);
+    const ClosestPointTree tree_alone(alone.points, alone.faces);
     std::vector<char> wanted(count, 0);
     wanted[c] = 1;
     const auto normal_of = [&](int f) { return input.face_normal_raw(own[f]); };
-    if (own.empty() || agreements(w, ClosestPointTree(input.points, faces), normal_of, wanted)[c] < 0)
+    const bool against =
+        own.empty() || (agreements(w, tree_alone, normal_of, wanted)[c] < 0 && has_thickness(alone));
+    if (against)
       out.push_back(
           {"S2", "a component is oriented against the input", patch, w.result.points[w.faces[first[c]][0]]});
   }
@@ -318,19 +323,9 @@ std::vector<Defect> check_uv_owners(const Whole& w) {
 std::vector<Defect> check_doubled_points(const StripMesh& r, const std::vector<int>& points,
                                          double diagonal) {
   std::vector<Defect> out;
-  const double tolerance = kDegenerate * diagonal;
-  const Vector3 odd =
-      Vector3(0.5301, 0.6247, 0.5733).normalized();  // no axis: grids have many points in one plane
-  std::vector<std::pair<double, int>> order;
-  for (int v : points) order.emplace_back(r.points[v].dot(odd), v);
-  std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t j = i + 1; j < order.size() && order[j].first - order[i].first <= tolerance; ++j) {
-      const int a = order[i].second, b = order[j].second;
-      if (a != b && (r.points[a] - r.points[b]).norm() <= tolerance)
-        out.push_back({"S9", "v" + std::to_string(a) + " and v" + std::to_string(b) + " are in one place", -1,
-                       r.points[a]});
-    }
+  for (const auto& [a, b] : close_points(r.points, points, kDegenerate * diagonal))
+    out.push_back({"S9", "v" + std::to_string(a) + " and v" + std::to_string(b) + " are in one place", -1,
+                   r.points[a]});
   return out;
 }
 

@@ -289,5 +289,15 @@ TEST(Prepare, WithoutSliversLeavesGoodMeshesAlone) {
   EXPECT_EQ(without_slivers(m, 1e-3, {}).faces, m.faces);
 }
 
+// A scrap of a mesh without edges of a length that counts: as two faces back to back it would be no surface.
+TEST(Prepare, NeedlesStayTetrahedra) {
+  TriangleSoup needle;
+  needle.points = {{0, 0, 0}, {3e-6, 0, 3e-3}, {3e-6, 1e-10, 0}, {1e-10, 0, 3e-3}};
+  needle.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  const SurfaceMesh clean = without_slivers(build(needle), 5e-4, {});
+  EXPECT_GE(clean.face_count(), 4);
+  EXPECT_GE(prepare(clean, {}, 2e-3, {}).mesh.face_count(), 4);
+}
+
 }  // namespace
 }  // namespace sheetform

@@ -264,5 +264,28 @@ TEST(BestRulings, DoNotDependOnTheUnitOrThePlace) {
   EXPECT_NEAR(4 * x.predicted_error, y.predicted_error, 1e-4);
 }
 
+// A face of a mesh that is a part of its own, far narrower than triangles should be high.
+TEST(BestRulings, OfASliverHaveNoTriangleWithoutArea) {
+  Ruled r({{{0, 0, 0}, {6.2e-3, 0, 0}, {6.2e-3, 2e-4, 0}}, {{0, 1, 2}}}, 1);
+  r.polygon = {};
+  for (int side = 0; side < 3; ++side)
+    for (double t : {0.0, 0.5}) {
+      const auto between = [&](const auto& at) {  // a trifle outside: no side is quite straight
+        const auto middle = ((1 - t) * at[side] + t * at[(side + 1) % 3]).eval();
+        return (middle + 1e-5 * t * (middle - at[(side + 2) % 3])).eval();
+      };
+      r.polygon.uv.emplace_back(between(r.shape.chart.uv));
+      r.polygon.point.emplace_back(between(r.shape.mesh.points));
+    }
+  RulingParams params = params_for(0.02);
+  params.min_height = 4.5e-4;
+  const RulingSet set = r.best(params);
+  expect_strip(r.polygon, set);
+  for (const auto& [a, b, c] : set.triangles) {
+    const Vector3 &p = r.polygon.point[a], &q = r.polygon.point[b], &s = r.polygon.point[c];
+    EXPECT_GT((q - p).cross(s - p).norm(), 1e-9) << a << " " << b << " " << c;
+  }
+}
+
 }  // namespace
 }  // namespace sheetform

@@ -53,7 +53,7 @@ TEST(Flatten, FacesThatShareTheirEdgesBecomePlanesThatMeet) {
   const std::vector<Vector3> exact = c.points;
   shake(1e-3, c.points);
   const std::vector<Vector3> shaken = c.points;
-  flatten(c.faces, {}, 2e-3, c.points);
+  flatten(c.faces, {}, {}, 2e-3, c.points);
   for (const auto& face : c.faces) EXPECT_LT(unevenness(face, c.points), 1e-9);
   for (std::size_t i = 0; i < exact.size(); ++i) {
     EXPECT_LT((c.points[i] - shaken[i]).norm(), 4e-3);
@@ -65,7 +65,7 @@ TEST(Flatten, WhatIsNoPlaneStaysAsItIs) {
   Cube c = cube(6);
   shake(1e-3, c.points);
   const std::vector<Vector3> before = c.points;
-  flatten({c.faces[0]}, {}, 1e-5, c.points);
+  flatten({c.faces[0]}, {}, {}, 1e-5, c.points);
   EXPECT_EQ(c.points, before);
 }
 
@@ -76,9 +76,55 @@ TEST(Flatten, PointsOnThePlaneOfSymmetryStayThere) {
   shake(1e-3, c.points);
   for (int i : c.faces[0]) c.points[i].x() = 0;
   const std::vector<std::vector<int>> around(c.faces.begin() + 2, c.faces.end());
-  flatten(around, on_plane, 2e-3, c.points);
+  flatten(around, {}, on_plane, 2e-3, c.points);
   for (int i : c.faces[0]) EXPECT_EQ(c.points[i].x(), 0);
   for (const auto& face : around) EXPECT_LT(unevenness(face, c.points), 1e-9);
+}
+
+// A roof of two faces, and between them a chamfer that is far narrower than the slack and ends in a point:
+// all of it is as good as on either face.
+TEST(Flatten, SliversBetweenTwoPlanesKeepTheirArea) {
+  std::vector<Vector3> points;
+  const int n = 12;
+  const double width = 1e-4;
+  const auto row = [&](const auto& at) {
+    std::vector<int> ids;
+    for (int i = 0; i <= n; ++i)
+      ids.push_back(static_cast<int>(points.size())), points.push_back(at(double(i) / n));
+    return ids;
+  };
+  const auto narrow = [&](double t) { return width * t; };
+  const std::vector<int> left = row([&](double t) { return Vector3(t, -narrow(t), -narrow(t)); });
+  std::vector<int> right = row([&](double t) { return Vector3(t, narrow(t), -narrow(t)); });
+  const std::vector<int> down_left = row([](double t) { return Vector3(t, -1, -1); });
+  const std::vector<int> down_right = row([](double t) { return Vector3(t, 1, -1); });
+  right[0] = left[0];
+  std::vector<std::vector<int>> patches{left, right, left};
+  patches[0].insert(patches[0].end(), down_left.begin(), down_left.end());
+  patches[1].insert(patches[1].end(), down_right.begin(), down_right.end());
+  // The short end of the chamfer, a point in its middle, belongs to the face on the left as well.
+  const int end = static_cast<int>(points.size());
+  points.emplace_back(1, 0, -width);
+  patches[0].insert(patches[0].end(), {end, right.back()});
+  patches[2].push_back(end);
+  patches[2].insert(patches[2].end(), right.begin() + 1, right.end());
+  std::vector<std::array<int, 3>> triangles;
+  for (int i = 1; i + 1 < n; ++i) {
+    triangles.push_back({left[i], left[i + 1], right[i + 1]});
+    triangles.push_back({left[i], right[i + 1], right[i]});
+  }
+  triangles.push_back({left[0], left[1], right[1]});
+  triangles.push_back({left[n - 1], left[n], end});
+  triangles.push_back({left[n - 1], end, right[n - 1]});
+  triangles.push_back({right[n - 1], end, right[n]});
+  const auto area2 = [&](const std::array<int, 3>& t) {
+    return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
+  };
+  std::vector<double> before;
+  for (const auto& t : triangles) before.push_back(area2(t));
+  flatten(patches, triangles, {}, 2e-3, points);
+  for (std::size_t k = 0; k < triangles.size(); ++k) EXPECT_GT(area2(triangles[k]), 0.05 * before[k]) << k;
+  EXPECT_LT(unevenness(down_left, points), 1e-9);
 }
 
 }  // namespace

@@ -525,5 +525,18 @@ TEST(Facing, IsOneOnTheSurfaceItselfAndMinusOneInsideOut) {
   }
 }
 
+TEST(HasThickness, TellsSheetsOfTwoSidesFromPlatesAndOpenSheets) {
+  EXPECT_TRUE(has_thickness(shapes::plane(4)));
+  EXPECT_TRUE(has_thickness(shapes::cylinder(24, 4)));
+  EXPECT_TRUE(has_thickness(shapes::box(3, {1, 1, 1})));
+  EXPECT_TRUE(has_thickness(shapes::box(3, {1, 1, 1e-3})));
+  for (TriangleSoup sheet : {shapes::plane(4), shapes::saddle(8), shapes::cylinder_patch(12, 4)}) {
+    const std::size_t faces = sheet.faces.size();
+    for (std::size_t f = 0; f < faces; ++f)
+      sheet.faces.push_back({sheet.faces[f][0], sheet.faces[f][2], sheet.faces[f][1]});
+    EXPECT_FALSE(has_thickness(sheet));
+  }
+}
+
 }  // namespace
 }  // namespace sheetform
