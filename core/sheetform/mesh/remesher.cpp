@@ -17,7 +17,7 @@ constexpr double kChord =
     0.6;  // of the wanted length: a longer edge between two lines is to have a vertex between
 constexpr double kLineSag = 0.25;  // of the wanted length: how far a removed vertex of a line may lie off it
 constexpr double kLoss =
-    0.3;  // of the wanted length: how far removed vertices may come to lie off the surface
+    0.3;  // of the wanted length: how far removed vertices or edges may come to lie off the surface
 constexpr double kStepLoss =
     0.05;  // of the wanted length: the same for one step of relaxation (tips would melt away)
 constexpr double kShorter = 0.9;  // of a split edge: how long its halves may be
@@ -40,6 +40,12 @@ double distance_to_segment(const Vector3& p, const Vector3& a, const Vector3& b)
   const double length2 = d.squaredNorm();
   const double t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0;
   return (p - a - t * d).norm();
+}
+
+// Between the lines through a and b and through c and d.
+double line_distance(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  const Vector3 across = (b - a).cross(d - c);
+  return std::abs(across.dot(c - a)) / std::max(across.norm(), 1e-300);
 }
 
 struct Entry {
@@ -374,6 +380,7 @@ bool Remesher::should_flip(Edge e) const {
   const Vector3 n1 = raw_normal(mesh_.face_handle(h)), n2 = raw_normal(mesh_.face_handle(o)), n = n1 + n2;
   const Vector3 m1 = (pd - pc).cross(pb - pc), m2 = (pa - pc).cross(pd - pc);
   if (m1.dot(n) <= 0.5 * m1.norm() * n.norm() || m2.dot(n) <= 0.5 * m2.norm() * n.norm()) return false;
+  if (line_distance(pa, pb, pc, pd) > kLoss * length_) return false;  // large triangles of a coarse input
   const bool new_chord = kind(c) != kFree && kind(d) != kFree;
   if (new_chord && !is_chord(e) && (pc - pd).norm() > kChord * length_) return false;
   const double before = std::min(fatness(pa, pb, pc), fatness(pa, pb, pd)),

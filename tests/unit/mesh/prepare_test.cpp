@@ -299,5 +299,17 @@ TEST(Prepare, NeedlesStayTetrahedra) {
   EXPECT_GE(prepare(clean, {}, 2e-3, {}).mesh.face_count(), 4);
 }
 
+// Two large and narrow triangles: with the other diagonal there would be no ridge.
+TEST(Prepare, BendsOfLargeTrianglesStay) {
+  TriangleSoup roof;
+  roof.points = {{0, 0, 0}, {4, 0, 0}, {2, 0.6, -0.18}, {2, -0.6, -0.18}};
+  roof.faces = {{0, 1, 2}, {1, 0, 3}};
+  const SurfaceMesh input = build(roof);
+  const PreparedMesh even = prepare(input, {}, 0.05, {});
+  EXPECT_TRUE(even.remeshed);
+  EXPECT_LT(distance(input, even.mesh), 0.03);
+  EXPECT_LT(distance(even.mesh, input), 0.03);
+}
+
 }  // namespace
 }  // namespace sheetform
