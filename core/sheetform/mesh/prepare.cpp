@@ -36,27 +36,6 @@ bool same_topology(const SurfaceMesh& a, const SurfaceMesh& b) {
          face_components(a).second == face_components(b).second;
 }
 
-// The input with a vertex in the middle of every edge that is too long, again and again.
-PreparedMesh split_only(const SurfaceMesh& input, const std::vector<char>& crease_edge, double length,
-                        const RunContext& context) {
-  PreparedMesh result{input, crease_edge, false};
-  result.crease_edge.resize(input.edges.size(), 0);
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-    context.checkpoint();
-    std::vector<EdgePoint> middles;
-    for (int e = 0; e < result.mesh.edge_count(); ++e) {
-      const auto& edge = result.mesh.edges[e];
-      if (result.mesh.edge_length(e) > 1.5 * length)
-        middles.push_back({e, (result.mesh.points[edge.v0] + result.mesh.points[edge.v1]) / 2});
-    }
-    if (middles.empty() || result.mesh.points.size() + middles.size() > kMostVertices) break;
-    Subdivision finer = insert_vertices(result.mesh, result.crease_edge, middles);
-    result.mesh = std::move(finer.mesh);
-    result.crease_edge = std::move(finer.crease_edge);
-  }
-  return result;
-}
-
 bool is_stop(const Error& e) {
   return e.code() == ErrorCode::kCancelled || e.code() == ErrorCode::kDeadlineExceeded;
 }
@@ -117,7 +96,27 @@ PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_e
   } catch (const Error& e) {
     if (is_stop(e)) throw;  // all else: not built or not manifold, the fallback stands in
   }
-  return split_only(input, crease_edge, target_edge_length, context);
+  return with_short_edges(input, crease_edge, target_edge_length, context);
+}
+
+PreparedMesh with_short_edges(const SurfaceMesh& input, const std::vector<char>& crease_edge, double length,
+                              const RunContext& context) {
+  PreparedMesh result{input, crease_edge, false};
+  result.crease_edge.resize(input.edges.size(), 0);
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    context.checkpoint();
+    std::vector<EdgePoint> middles;
+    for (int e = 0; e < result.mesh.edge_count(); ++e) {
+      const auto& edge = result.mesh.edges[e];
+      if (result.mesh.edge_length(e) > 1.5 * length)
+        middles.push_back({e, (result.mesh.points[edge.v0] + result.mesh.points[edge.v1]) / 2});
+    }
+    if (middles.empty() || result.mesh.points.size() + middles.size() > kMostVertices) break;
+    Subdivision finer = insert_vertices(result.mesh, result.crease_edge, middles);
+    result.mesh = std::move(finer.mesh);
+    result.crease_edge = std::move(finer.crease_edge);
+  }
+  return result;
 }
 
 }  // namespace sheetform

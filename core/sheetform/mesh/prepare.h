@@ -40,4 +40,9 @@ PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_e
                      double target_edge_length, const SurfaceMesh& surface, const ClosestPointTree& tree,
                      const RunContext& context);
 
+/// The input with a vertex in the middle of every edge that is longer than 1.5 times `length`, again and
+/// again: the same surface with smaller faces.
+PreparedMesh with_short_edges(const SurfaceMesh& input, const std::vector<char>& crease_edge, double length,
+                              const RunContext& context);
+
 }  // namespace sheetform

@@ -55,5 +55,29 @@ TEST(WorkingMesh, CoarseMeshesWithDetailsAreRemeshed) {
   EXPECT_LT(mean_edge_length(working_mesh(input, tree, {0.005, 40.0, false}, {}).mesh), 0.5 * present);
 }
 
+// Of a coarse model no point is given up, and paths may run across its facets; where these are far apart in
+// tolerances they are parts.
+TEST(WorkingMesh, LargeFacetsAreKeptAndHaveVerticesInside) {
+  TriangleSoup ball = shapes::sphere(4, 0.3);
+  const SurfaceMesh input = build_surface_mesh(std::move(ball.points), std::move(ball.faces));
+  const ClosestPointTree tree(input.points, input.faces);
+  for (double e_max : {0.005, 0.0002}) {
+    const PreparedMesh working = working_mesh(input, tree, {e_max, 40.0, false}, {});
+    const ClosestPointTree of_working(working.mesh.points, working.mesh.faces);
+    EXPECT_LT(mean_edge_length(working.mesh), 0.3 * mean_edge_length(input));
+    double off = 0, creases = 0, edges = 0;
+    for (const Vector3& p : working.mesh.points) off = std::max(off, tree.closest(p).squared_distance);
+    for (const Vector3& p : input.points) off = std::max(off, of_working.closest(p).squared_distance);
+    EXPECT_LT(std::sqrt(off), 1e-9);
+    for (int e = 0; e < working.mesh.edge_count(); ++e)
+      if (working.crease_edge[e]) creases += working.mesh.edge_length(e);
+    for (int e = 0; e < input.edge_count(); ++e) edges += input.edge_length(e);
+    if (e_max > 0.001)
+      EXPECT_EQ(creases, 0);
+    else
+      EXPECT_GT(creases, 0.5 * edges);
+  }
+}
+
 }  // namespace
 }  // namespace sheetform
