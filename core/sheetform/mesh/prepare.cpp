@@ -84,10 +84,10 @@ PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_e
 
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const SurfaceMesh& surface, const ClosestPointTree& tree,
-                     const RunContext& context) {
+                     const RunContext& context, double most_loss) {
   try {
     const FeatureLines lines = feature_lines(input, crease_edge, kBend * target_edge_length);
-    Remesher remesher(input, lines, target_edge_length, context);
+    Remesher remesher(input, lines, target_edge_length, context, most_loss);
     remesher.run(surface, tree);
     PreparedMesh result;
     result.mesh = remesher.result(result.crease_edge);

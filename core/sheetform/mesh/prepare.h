@@ -1,5 +1,6 @@
 // The mesh that the search works on: even triangles, creases and borders kept.
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "sheetform/base/run_context.h"
@@ -35,10 +36,10 @@ SurfaceMesh without_slivers(const SurfaceMesh& input, double height, const RunCo
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const RunContext& context);
 /// The same, with vertices on `surface` (`tree` is of its faces), which `input` may differ from by as little
-/// as without_slivers makes it.
+/// as without_slivers makes it. most_loss: no vertex goes that would come to lie farther off the surface.
 PreparedMesh prepare(const SurfaceMesh& input, const std::vector<char>& crease_edge,
                      double target_edge_length, const SurfaceMesh& surface, const ClosestPointTree& tree,
-                     const RunContext& context);
+                     const RunContext& context, double most_loss = std::numeric_limits<double>::infinity());
 
 /// The input with a vertex in the middle of every edge that is longer than 1.5 times `length`, again and
 /// again: the same surface with smaller faces.

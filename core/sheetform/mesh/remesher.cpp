@@ -58,8 +58,8 @@ struct Entry {
 }  // namespace
 
 Remesher::Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length,
-                   const RunContext& context)
-    : lines_(lines), length_(length), context_(context) {
+                   const RunContext& context, double most_loss)
+    : lines_(lines), length_(length), context_(context), most_loss_(std::min(most_loss, kLoss * length)) {
   load(input);
 }
 
@@ -326,7 +326,7 @@ bool Remesher::keeps_shape(Half h) const {
     if (turns_over(reference, now)) return false;
     after = std::min(after, fatness(p, point(v), point(w)));
   }
-  return (after > kThin || after >= before) && loss(h) < kLoss * length_;
+  return (after > kThin || after >= before) && loss(h) < most_loss_;
 }
 
 // Bound of the distance between what `h` and the collapses before it removed and what is left.
@@ -380,7 +380,7 @@ bool Remesher::should_flip(Edge e) const {
   const Vector3 n1 = raw_normal(mesh_.face_handle(h)), n2 = raw_normal(mesh_.face_handle(o)), n = n1 + n2;
   const Vector3 m1 = (pd - pc).cross(pb - pc), m2 = (pa - pc).cross(pd - pc);
   if (m1.dot(n) <= 0.5 * m1.norm() * n.norm() || m2.dot(n) <= 0.5 * m2.norm() * n.norm()) return false;
-  if (line_distance(pa, pb, pc, pd) > kLoss * length_) return false;  // large triangles of a coarse input
+  if (line_distance(pa, pb, pc, pd) > most_loss_) return false;  // large triangles of a coarse input
   const bool new_chord = kind(c) != kFree && kind(d) != kFree;
   if (new_chord && !is_chord(e) && (pc - pd).norm() > kChord * length_) return false;
   const double before = std::min(fatness(pa, pb, pc), fatness(pa, pb, pd)),

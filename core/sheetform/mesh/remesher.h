@@ -1,5 +1,6 @@
 // Isotropic remeshing with kept lines. Internal to mesh/; see prepare.h.
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "sheetform/base/run_context.h"
@@ -13,7 +14,10 @@ namespace sheetform {
 /// the input.
 class Remesher {
  public:
-  Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context);
+  /// most_loss: no vertex goes that would come to lie farther than this off the surface; at most 0.3 of the
+  /// length.
+  Remesher(const SurfaceMesh& input, const FeatureLines& lines, double length, const RunContext& context,
+           double most_loss = std::numeric_limits<double>::infinity());
   /// Vertices come to lie on `surface`; tree: of its faces.
   void run(const SurfaceMesh& surface, const ClosestPointTree& tree);
   /// Instead of run(): only removes edges and heights shorter than 0.8 of the length; all else stays as it
@@ -74,6 +78,7 @@ class Remesher {
   const RunContext& context_;
   std::vector<int> edge_line_;
   std::vector<Kind> kinds_;
+  double most_loss_;
   std::vector<double> losses_;  // by vertex: bound of how far the removed ones around it lie off
   int operations_ = 0;
   int most_vertices_ = 0;

@@ -59,23 +59,27 @@ constexpr double kNarrow = 0.5;
 // them would cut them off.
 constexpr double kSharp = 40;
 // Multiples of the wanted edge length between which a mesh is made finer although remeshing loses detail:
-// with 2.4 parts of single triangles missed 0.5 %. Above, the tolerance asks for the facets themselves,
-// unless they bend by less than it: then strips may cross them anywhere.
+// with 2.4 parts of single triangles missed 0.5 %. Above, the tolerance asks for the facets themselves, with
+// vertices inside of them for paths to run along; an edge where two of them are so many tolerances from one
+// straight sheet is a crease then.
 constexpr double kTooCoarse = 2, kFacets = 4, kNoSheet = 5;
+// In tolerances: of the input's points the working mesh misses none by more, or it is made anew.
+constexpr double kMostLost = 0.3;
+// What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
+// away: the rest could not hold what was left out.
+constexpr double kMostNoise = 0.7;
+
+// The creases, and the edges of facets that no strip could cross.
 std::vector<char> with_facets(const SurfaceMesh& mesh, std::vector<char> crease_edge, double e_max) {
   for (int e = 0; e < mesh.edge_count(); ++e) {
     const auto& edge = mesh.edges[e];
     if (edge.border()) continue;
     const Vector3 left = mesh.face_normal_raw(edge.f0), right = mesh.face_normal_raw(edge.f1);
-    const double height = std::min(left.norm(), right.norm()) / mesh.edge_length(e);
-    crease_edge[e] |= height * std::sin(angle_between(left, right) / 2) / 2 > kNoSheet * e_max;
+    const double across = std::min(left.norm(), right.norm()) / mesh.edge_length(e);
+    crease_edge[e] |= across * std::sin(angle_between(left, right) / 2) / 2 > kNoSheet * e_max;
   }
   return crease_edge;
 }
-
-// What noise may take of a tolerance (all but the worst percent of it). Finer than that it is not smoothed
-// away: the rest could not hold what was left out.
-constexpr double kMostNoise = 0.7;
 
 // The mesh without its noise; nothing where it has none, or too much for the tolerance.
 std::optional<SurfaceMesh> without_noise(const SurfaceMesh& input, double e_max, const RunContext& context) {
@@ -107,14 +111,14 @@ PreparedMesh working_mesh_of_calm(const SurfaceMesh& input, const ClosestPointTr
   context.checkpoint();
   PreparedMesh prepared = prepare(mesh, crease, wanted, input, tree, context);
   const int attempts = params.draft ? 1 : 2;
-  for (int attempt = 0; attempt < attempts && wanted > finest &&
-                        loses_detail(input, tree, prepared.mesh, 0.3 * params.e_max, context);
+  for (int attempt = 0; attempt < attempts && (attempt == 0 || wanted > finest) &&
+                        loses_detail(input, tree, prepared.mesh, kMostLost * params.e_max, context);
        ++attempt) {
     if (may_stay && coarseness > kFacets)
       return with_short_edges(mesh, with_facets(mesh, crease, params.e_max), present / coarseness, context);
     wanted = std::max(0.65 * wanted, finest);
     if (may_stay && present > 0.75 * wanted && coarseness < kTooCoarse) return {mesh, crease, false};
-    prepared = prepare(mesh, crease, wanted, input, tree, context);
+    prepared = prepare(mesh, crease, wanted, input, tree, context, kMostLost * params.e_max);
   }
   return prepared;
 }

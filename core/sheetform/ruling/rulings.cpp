@@ -8,9 +8,8 @@ namespace sheetform {
 namespace {
 
 constexpr double kForbidden = 1e9;
-// Of min_height: triangles that are lower still are as good as none, and cost as much as a part beyond the
-// tolerance does, or all of a sliver's triangles are dear and one without area makes the others higher.
-constexpr double kNoHeight = 0.02;
+// Of min_height: triangles that are lower are as good as none.
+constexpr double kNoHeight = 0.002;
 constexpr int kSamples = 7;  // inner samples of a chord
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -120,7 +119,7 @@ class StripSearch {
     if (2 * area < least) {
       const double lack = 1 - 2 * area / std::max(least, 1e-300);  // over 1: inverted
       cost += area > 0 ? 0.05 * lack : 10 + lack;
-      if (2 * area < kNoHeight * least) cost += 1;
+      if (2 * area < kNoHeight * least) cost += params_.flat_cost;
     }
     return cost;
   }

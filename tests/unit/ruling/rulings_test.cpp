@@ -279,6 +279,7 @@ TEST(BestRulings, OfASliverHaveNoTriangleWithoutArea) {
     }
   RulingParams params = params_for(0.02);
   params.min_height = 4.5e-4;
+  params.flat_cost = 0.1;
   const RulingSet set = r.best(params);
   expect_strip(r.polygon, set);
   for (const auto& [a, b, c] : set.triangles) {
