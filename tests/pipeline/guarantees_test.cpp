@@ -171,6 +171,23 @@ TEST(Guarantees, PlatesThinnerThanTheToleranceAreNotTurnedInsideOut) {
   }
 }
 
+// Two large faces a side of a ridge that bends too little for a crease: finer than the triangles that lie
+// across it allow. What is handed over is valid and says by how much and where it misses.
+TEST(Guarantees, ToleranceOutOfReachIsTold) {
+  TriangleSoup soup;
+  soup.points = {{0, 0, 0}, {4, 0, 0}, {0, 1, -0.25}, {4, 1, -0.25}, {0, -1, -0.25}, {4, -1, -0.25}};
+  soup.faces = {{0, 1, 3}, {0, 3, 2}, {1, 0, 4}, {1, 4, 5}};
+  DecomposeParams params = with_e_max(2e-4);
+  params.effort = Effort::kDraft;
+  const Decomposition d = run(soup, params, 2);
+  expect_sound(soup, d);
+  ASSERT_FALSE(d.report.e_max_met);
+  EXPECT_TRUE(std::any_of(d.report.notes.begin(), d.report.notes.end(), [](const std::string& n) {
+    return n.find("tolerance of 0.02 % is not met") != std::string::npos;
+  }));
+  EXPECT_LT(std::abs(d.report.worst_place.y()), 0.2);
+}
+
 // Finer than a strip across several facets could be: each is a part, and nothing is off.
 TEST(Guarantees, FacetsOfACoarseModelArePartsWhereTheToleranceIsFiner) {
   const TriangleSoup soup = shapes::sphere(4);

@@ -16,7 +16,7 @@ constexpr double kMostVariation = 0.35;  // standard deviation / mean of edge le
 constexpr double kLeastAngle = 10;       // degrees: of all but the worst percent of triangles
 constexpr double kMostLong = 4;          // longest edge / mean edge
 constexpr double kBend = 0.5;            // of the wanted length: over this much a line's bends are judged
-constexpr int kMostSweeps = 20, kMostVertices = 200'000;  // of the fallback
+constexpr int kMostSweeps = 20, kMostVertices = 200'000;  // of with_short_edges
 
 double least_angle(const SurfaceMesh& mesh, int f) {
   double least = 180;

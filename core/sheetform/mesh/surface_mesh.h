@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -62,11 +63,18 @@ struct SurfaceMesh {
 /// unused vertices (mesh/repair makes it one). O(n log n).
 SurfaceMesh build_surface_mesh(std::vector<Vector3> points, std::vector<std::array<int, 3>> faces);
 
-/// Diagonal of the bounding box; 0 for no points.
 /// In radians, exact for small ones too; of vectors of any length.
 inline double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
+/// Of a triangle of these points; 0 where it is none.
+inline double smallest_height(const std::array<int, 3>& t, const std::vector<Vector3>& points) {
+  const Vector3 &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+  const double longest =
+      std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0.0;
+}
+/// Diagonal of the bounding box; 0 for no points.
 double bounding_box_diagonal(const std::vector<Vector3>& points);
 /// Area-weighted unit vertex normals.
 std::vector<Vector3> vertex_normals(const SurfaceMesh& mesh);

@@ -96,7 +96,7 @@ struct RulingParams {
   double align_weight =
       0.5;  ///< per unit of sin^2 to the direction of least curvature where that is pronounced
   double min_height = 1e-3;  ///< flat triangles lower than this are avoided
-  double flat_cost = 0;      ///< of a triangle that has hardly any height (see rulings.cpp), further
+  double flat_cost = 0;      ///< in addition, of a triangle lower than a five-hundredth of that
   bool keep_inside = true;   ///< chords that leave the raster of the patch are forbidden
 };
 

@@ -39,16 +39,10 @@ Vector3 normal_of(const std::array<int, 3>& t, const std::vector<Vector3>& point
   return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
 }
 
-double least_height(const std::array<int, 3>& t, const std::vector<Vector3>& points) {
-  double longest = 1e-300;
-  for (int k = 0; k < 3; ++k) longest = std::max(longest, (points[t[k]] - points[t[(k + 1) % 3]]).norm());
-  return normal_of(t, points).norm() / longest;
-}
-
 bool collapses(const std::array<int, 3>& t, const std::vector<Vector3>& before,
                const std::vector<Vector3>& after) {
   return normal_of(t, before).dot(normal_of(t, after)) <= 0 ||
-         least_height(t, after) < kLeastHeight * least_height(t, before);
+         smallest_height(t, after) < kLeastHeight * smallest_height(t, before);
 }
 
 }  // namespace

@@ -104,20 +104,17 @@ double facing(const StripMesh& result, const TriangleSoup& surface, const Closes
 }
 
 bool has_thickness(const TriangleSoup& surface) {
-  Eigen::AlignedBox3d box;
-  for (const auto& f : surface.faces)
-    for (int i : f) box.extend(surface.points[i]);
-  if (box.isEmpty()) return false;
-  const Vector3 centre = box.center();
+  if (surface.faces.empty()) return false;
+  const Vector3 origin = surface.points[surface.faces[0][0]];
   Vector3 open = Vector3::Zero();  // of a closed surface the normals add up to nothing
   double area = 0, volume = 0;
   for (const auto& f : surface.faces) {
-    const Vector3 a = surface.points[f[0]] - centre, b = surface.points[f[1]] - centre,
-                  c = surface.points[f[2]] - centre;
+    const Vector3 a = surface.points[f[0]] - origin, b = surface.points[f[1]] - origin,
+                  c = surface.points[f[2]] - origin;
     const Vector3 normal = (b - a).cross(c - a) / 2;
     open += normal, area += normal.norm(), volume += a.dot(normal) / 3;
   }
-  return open.norm() > kThin * area || 2 * std::abs(volume) > kThin * area * box.diagonal().norm();
+  return open.norm() > kThin * area || 2 * std::abs(volume) > kThin * area * diagonal_of(surface);
 }
 
 Certificate certify(const TriangleSoup& input, const SurfaceMesh* repaired, const StripMesh& result,

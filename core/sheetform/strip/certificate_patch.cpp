@@ -15,13 +15,6 @@ std::string edge_name(int a, int b) { return "v" + std::to_string(a) + "-v" + st
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-double smallest_height(const StripMesh& r, const StripMesh::Triangle& t) {
-  const Vector3 &a = r.points[t.v[0]], &b = r.points[t.v[1]], &c = r.points[t.v[2]];
-  const double longest =
-      std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-  return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0.0;
-}
-
 double patch_size(const StripMesh& r, const StripMesh::Patch& patch) {
   Eigen::AlignedBox3d box;
   for (const StripMesh::Triangle& t : patch.triangles)
@@ -70,7 +63,7 @@ void check_correspondence(const StripMesh& r, int patch, const PatchShape& shape
 void check_turned_over(const StripMesh& r, int patch, double diagonal, std::vector<Defect>& out) {
   for (const StripMesh::Triangle& t : r.patches[patch].triangles) {
     if (flat_area(r, t) > 0) continue;
-    if (smallest_height(r, t) <= kDegenerate * diagonal) continue;  // S9 says so
+    if (smallest_height(t.v, r.points) <= kDegenerate * diagonal) continue;  // S9 says so
     out.push_back({"S7", "a triangle is turned over or flat in the layout", patch, r.points[t.v[0]]});
   }
 }
@@ -230,7 +223,7 @@ std::vector<Defect> check_triangles(const StripMesh& r, int patch, double diagon
     if (t.v[0] == t.v[1] || t.v[1] == t.v[2] || t.v[2] == t.v[0])
       out.push_back({"S9", "a triangle names v" + std::to_string(t.v[t.v[0] == t.v[1] ? 0 : 2]) + " twice",
                      patch, r.points[t.v[0]]});
-    else if (!(smallest_height(r, t) > kDegenerate * diagonal))
+    else if (!(smallest_height(t.v, r.points) > kDegenerate * diagonal))
       out.push_back({"S9",
                      "triangle v" + std::to_string(t.v[0]) + " v" + std::to_string(t.v[1]) + " v" +
                          std::to_string(t.v[2]) + " has no area",
