@@ -334,7 +334,9 @@ class Sweep {
         field_(field),
         guides_(guides),
         context_(context),
-        found_(std::move(found)) {}
+        found_(std::move(found)) {
+    keep_threads(context_);
+  }
 
   // e_max: ascending; empty = the one of the parameters.
   std::vector<Decomposition> run(std::vector<double> e_max) {
@@ -601,7 +603,7 @@ class Sweep {
   const DecomposeParams& params_;
   const UserField* field_;
   const UserGuides* guides_;
-  RunContext& context_;
+  RunContext context_;
   std::function<void(const Decomposition&)> found_;  // told of every complete result
   Decomposition common_;                             // what all results have in common
   RepairResult repaired_;

@@ -18,6 +18,7 @@ enum class MorphKind { kReduced, kFull };
 /// A point of a ruled patch and the surface point that it stands for.
 struct MorphSample {
   std::array<int, 3> unknown;  ///< ids of unknowns; unused ones have weight 0
+  int triangle = 0;            ///< of the strips of its patch: where to look for the nearest first
   std::array<double, 3> coefficient;
   Vector3 target = Vector3::Zero(), normal = Vector3::Zero();  ///< on the surface; unit normal there
   double weight = 0;  ///< area that it stands for; 0 = only measured, not fitted

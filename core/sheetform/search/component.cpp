@@ -79,8 +79,7 @@ class ComponentRun {
         own_tree_(input.tree ? input.tree
                              : std::make_shared<ClosestPointTree>(input.reference.points,
                                                                   input.reference.faces, context)),
-        tree_(*own_tree_),
-        heights_(against().points, against().faces, tree_against().diagonal(), context) {}
+        tree_(*own_tree_) {}
 
   using Found = std::function<void(std::size_t, const ComponentResult&)>;
   const ClosestPointTree& tree() const { return tree_; }  // of the input
@@ -91,8 +90,9 @@ class ComponentRun {
     const std::vector<char> lines = lines_of(input_);
     context_.report(Stage::kField, 0);
     curvature_ = principal_curvature(mesh, crease, {}, context_);
-    parallel_for(context_, 2, [&](int i) {  // neither needs the other
+    parallel_for(context_, 3, [&](int i) {  // none needs another
       if (i == 1) return set_up_surface();
+      if (i == 2) return set_up_heights();
       field_ =
           cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     });
@@ -156,6 +156,11 @@ class ComponentRun {
     surface_.keep_out =
         edges_inside(surface_.mesh, input_.keep_out, kBeside * mean_edge_length(surface_.mesh));
     set_up_spacing();
+  }
+
+  void set_up_heights() {
+    heights_ = std::make_unique<const HeightBound>(against().points, against().faces,
+                                                   tree_against().diagonal(), context_);
   }
 
   // The search keeps to the lower bound; finer than the result usually is it need not be.
@@ -504,7 +509,7 @@ class ComponentRun {
 
   DistanceReport far_places(const StripMesh& strips) const {
     const double limit = params_.margin * params_.evaluation.e_max;
-    return (is_half() ? find_far_with_image : find_far)(against(), tree_against(), heights_, strips, limit,
+    return (is_half() ? find_far_with_image : find_far)(against(), tree_against(), *heights_, strips, limit,
                                                         context_);
   }
 
@@ -633,7 +638,7 @@ class ComponentRun {
   RunContext& context_;
   std::shared_ptr<const ClosestPointTree> own_tree_;
   const ClosestPointTree& tree_;
-  const HeightBound heights_;  // over the input
+  std::unique_ptr<const HeightBound> heights_;  // over the input
   CurvatureField curvature_;
   CrossField field_;
   TracingGraph graph_;

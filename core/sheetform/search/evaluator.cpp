@@ -190,6 +190,7 @@ void coverage_samples(const SearchSurface& surface, const PatchLayout& layout, c
     for (double& x : w) x /= sum;
     MorphSample s;
     s.unknown = tri;
+    s.triangle = t;
     s.coefficient = w;
     s.target = target;
     for (int k = 0; k < 3; ++k) {
@@ -386,14 +387,18 @@ double point_triangle2(const Vector3& p, const Vector3& a, const Vector3& b, con
   return (ap - ab * (vb / sum) - ac * (vc / sum)).squaredNorm();
 }
 
-// From a surface point to the strips of its patch; what is not above `least` need not be exact.
+// From a surface point to the strips of its patch; what is not above `least` need not be exact. Triangles
+// follow each other in the strip: from the point's own to both sides.
 double to_strips(const MorphSample& s, const std::vector<std::array<int, 3>>& triangles,
                  const std::vector<Vector3>& position, double least) {
   const int n = static_cast<int>(triangles.size());
   double best = (s.at(position) - s.target).squaredNorm();
-  for (int t = 0; t < n && best > least * least; ++t)
-    best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]],
-                                          position[triangles[t][2]]));
+  for (int away = 0; away < n && best > least * least; ++away)
+    for (int t : {s.triangle - away, s.triangle + away}) {
+      if (t < 0 || t >= n) continue;
+      best = std::min(best, point_triangle2(s.target, position[triangles[t][0]], position[triangles[t][1]],
+                                            position[triangles[t][2]]));
+    }
   return std::sqrt(best);
 }
 
@@ -526,6 +531,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     return e->verdict = PatchVerdict::kTooManySides, e;
   if (chart->folded > kMostFolded || !simple_outline(e->polygon.uv, 0))
     return e->verdict = PatchVerdict::kFolded, e;
+  context_.checkpoint();
   const ChartRaster raster(surface_.mesh, surface_.guide, patch, *chart, 1600);
   MorphProblem problem;  // of the patch alone: every outline point is free
   const std::vector<int> unknown = number_outline(surface_, layout, patch, samples, e->polygon, problem);
@@ -541,6 +547,7 @@ std::shared_ptr<const PatchEvaluation> LayoutEvaluator::compute(
     e->rulings = distinct_rulings(e->polygon, raster, ruling, forbidden, alone, unknown);
   }
   if (!e->rulings.found) return e->verdict = PatchVerdict::kNoRulings, e;
+  context_.checkpoint();
   chord_samples(raster, patch.area, *e);
   coverage_samples(surface_, layout, patch, raster, *e);
   for (int i = 0; i < n; ++i)
@@ -620,6 +627,7 @@ LayoutEvaluation LayoutEvaluator::morph_patches(const PatchLayout& layout,
   }
   problem.samples.insert(problem.samples.end(), also.begin(), also.end());
   out.arch_unknowns = unknowns.take();
+  context_.checkpoint();
   MorphParams morph_params = outline_morph(params_);
   morph_params.rounds = rounds;
   out.position = morph(problem, morph_params).position;

@@ -1,6 +1,7 @@
 #include "sheetform/search/finish.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -58,7 +59,13 @@ FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, c
       patches_(layout.patches.size()),
       hopeless_(layout.patches.size(), 0),
       pull_(kDrawn) {
-  parallel_for(context_, static_cast<int>(patches_.size()), [&](int p) { choose_level(p, kHighestLevel); });
+  std::vector<int> order(patches_.size());  // what takes longest is begun first
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return layout.patches[a].faces.size() > layout.patches[b].faces.size();
+  });
+  parallel_for(context_, static_cast<int>(order.size()),
+               [&](int i) { choose_level(order[i], kHighestLevel); });
 }
 
 RulingParams FinalPass::ruling(int level) const {

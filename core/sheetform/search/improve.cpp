@@ -1,6 +1,5 @@
 // The local search: one more stretch in, other arches out.
 #include <array>
-#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -107,7 +106,7 @@ int LayoutSearch::improve(int tries, std::uint64_t seed) {
   quiet.progress = nullptr;
   // So many at once from the same layout, whatever the number of threads; the first that is good counts, and
   // those after it were never drawn.
-  constexpr int kAtOnce = 4;
+  constexpr int kAtOnce = 8;
   for (int t = 0; t < tries;) {
     context_.report(Stage::kRemove, 0.7 + 0.3 * t / tries);
     const int n = std::min(kAtOnce, tries - t);
@@ -115,22 +114,15 @@ int LayoutSearch::improve(int tries, std::uint64_t seed) {
     std::array<std::uint64_t, kAtOnce> states{};
     for (int i = 0; i < n; ++i) proposals[i] = propose(), states[i] = state;
     std::array<std::unique_ptr<LayoutSearch>, kAtOnce> trials;
-    std::array<std::atomic<bool>, kAtOnce> good{};
-    parallel_for(context_, n, [&](int i) {
-      for (int earlier = 0; earlier < i; ++earlier)
-        if (good[earlier]) return;
-      if (!proposals[i]) return;
+    const int good = first_of(context_, n, [&](int i) {
+      if (!proposals[i]) return false;
       trials[i].reset(new LayoutSearch(*this, quiet));
-      good[i] = trials[i]->try_improve(*proposals[i]);
+      return trials[i]->try_improve(*proposals[i]);
     });
-    for (int i = 0; i < n; ++i) {
-      ++t;
-      if (trials[i]) merge_values_.merge(trials[i]->merge_values_);
-      if (!good[i]) continue;
-      adopt(*trials[i]);
-      state = states[i];
-      break;
-    }
+    for (const auto& trial : trials)
+      if (trial) merge_values_.merge(trial->merge_values_);
+    t += std::min(good + 1, n);
+    if (good < n) adopt(*trials[good]), state = states[good];
     if (objective() < best - 1e-9) {
       best = objective(), best_network = network_, best_places = places_;
       ++improved;

@@ -317,13 +317,21 @@ std::vector<int> LayoutSearch::apart(const std::vector<Removal>& all, std::vecto
 
 // The most rewarding of these that is viable goes, and others with it that lie apart; false when none does.
 bool LayoutSearch::remove_best(const std::vector<Removal>& all) {
-  std::vector<int> fresh;
-  for (int r = 0; r < static_cast<int>(all.size()); ++r)
-    if (!merge_values_.count(all[r].key)) fresh.push_back(r);
+  // Those whose value is not known, what takes longest first.
+  std::vector<std::pair<double, int>> fresh;
+  for (int r = 0; r < static_cast<int>(all.size()); ++r) {
+    if (merge_values_.count(all[r].key)) continue;
+    double area = 0;
+    for (int p : patches_beside(all[r].edges)) area += layout_.patches[p].area;
+    fresh.emplace_back(-area, r);
+  }
+  std::sort(fresh.begin(), fresh.end());
   std::vector<double> values(all.size(), -1);
-  std::vector<std::vector<int>> hopeless(fresh.size());
-  parallel_for(context_, static_cast<int>(fresh.size()),
-               [&](int i) { values[fresh[i]] = merge_value(all[fresh[i]], hopeless[i]); });
+  std::vector<std::vector<int>> hopeless(all.size());
+  parallel_for(context_, static_cast<int>(fresh.size()), [&](int i) {
+    const int r = fresh[i].second;
+    values[r] = merge_value(all[r], hopeless[r]);
+  });
   remember_hopeless(std::move(hopeless));
   std::vector<std::tuple<double, std::uint64_t, int>> by_value;
   for (int r = 0; r < static_cast<int>(all.size()); ++r) {

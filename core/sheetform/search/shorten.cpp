@@ -13,6 +13,7 @@ namespace {
 constexpr int kMostWays = 16;         // of one seam that are tried
 constexpr double kShorter = 0.97;     // of the seam that a line may be long
 constexpr double kLeastGain = 0.02;   // of the seam: what has to be won when the cut has been smoothed
+constexpr int kAhead = 3;             // pairs for each thread
 constexpr double kLeastShare = 0.15;  // of the smaller patch that stays on either side
 
 // Those that are not among the others.
@@ -92,7 +93,8 @@ std::uint64_t LayoutSearch::key_of(const Pair& pair) const {
   return p == q ? 0 : layout_.patches[p].key + layout_.patches[q].key;
 }
 
-// Ways are looked for ahead, a pair on each thread; where another seam has changed until then, again.
+// Ways are looked for ahead, some pairs for each thread that is there; where another seam has changed until
+// then, again.
 int LayoutSearch::shorten_seams() {
   know_lost();
   std::vector<Pair> pairs = pairs_by_seam();
@@ -107,7 +109,8 @@ int LayoutSearch::shorten_seams() {
     context_.report(Stage::kRemove, 1);
     layout();
     if (i == looked_at) {
-      const std::size_t n = std::min<std::size_t>(threads_at_hand(context_), pairs.size() - i);
+      const int threads = threads_at_hand(context_), ahead = threads > 1 ? kAhead * threads : 1;
+      const std::size_t n = std::min<std::size_t>(ahead, pairs.size() - i);
       parallel_for(context_, static_cast<int>(n), [&](int k) { look_at(pairs[i + k]); });
       looked_at += n;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <set>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -104,6 +105,93 @@ TEST(FirstOf, TheLowestThatPassesForAnyNumberOfThreads) {
     }
   }
   EXPECT_EQ(first_of(with_threads(2), 0, [](int) { return true; }), 0);
+}
+
+// What comes after the one found is left at its next checkpoint, also where it waits in a loop of its own:
+// here it would never end by itself.
+TEST(FirstOf, WhatCannotMatterAnyMoreIsLeft) {
+  const RunContext context = with_threads(4);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  std::atomic<int> left{0};
+  const auto wait = [&] {
+    while (std::chrono::steady_clock::now() < give_up) context.checkpoint();
+  };
+  const int found = first_of(context, 3, [&](int i) {
+    if (i == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      return true;
+    }
+    struct Count {
+      std::atomic<int>& left;
+      ~Count() { ++left; }
+    } count{left};
+    if (i == 1) wait();
+    parallel_for(context, 2, [&](int) { wait(); });
+    return true;
+  });
+  EXPECT_EQ(found, 0);
+  EXPECT_GE(left, 1);
+  EXPECT_LT(std::chrono::steady_clock::now(), give_up);
+  EXPECT_NO_THROW(context.checkpoint());
+}
+
+TEST(FirstOf, AFailureBeforeTheOneFoundIsTold) {
+  for (int threads : {1, 2, 4})
+    EXPECT_THROW(first_of(with_threads(threads), 3,
+                          [](int i) -> bool {
+                            if (i == 1) throw std::runtime_error("no");
+                            return i == 2;
+                          }),
+                 std::runtime_error);
+}
+
+TEST(FirstOf, InsideOfAnotherTheInnerOneAnswersForItself) {
+  const RunContext context = with_threads(3);
+  std::vector<int> inner(4, -1);
+  const int found = first_of(context, 4, [&](int i) {
+    inner[i] = first_of(context, 5, [&](int k) {
+      context.checkpoint();
+      return k >= i;
+    });
+    return i == 3;
+  });
+  EXPECT_EQ(found, 3);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(inner[i], i);
+}
+
+// Threads that wait between loops: many short ones, and ends right after one, from several runs at a time.
+TEST(KeepThreads, LoopsOfARunShareThem) {
+  std::vector<std::thread> runs;
+  std::atomic<int> calls{0};
+  for (int run = 0; run < 3; ++run)
+    runs.emplace_back([&] {
+      for (int k = 0; k < 200; ++k) {
+        RunContext context = with_threads(3);
+        keep_threads(context);
+        for (int n : {2, 1, 7, 3})
+          parallel_for(context, n, [&](int) { parallel_for(RunContext(context), 2, [&](int) { ++calls; }); });
+      }
+    });
+  for (std::thread& t : runs) t.join();
+  EXPECT_EQ(calls, 3 * 200 * 13 * 2);
+}
+
+TEST(KeepThreads, TheSameThreadsHelpAgain) {
+  RunContext context = with_threads(2);
+  keep_threads(context);
+  std::set<std::thread::id> helpers;
+  for (int k = 0; k < 20; ++k) {
+    std::vector<std::thread::id> on(2);
+    parallel_for(context, 2, [&](int i) {
+      on[i] = std::this_thread::get_id();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+    for (const auto& id : on)
+      if (id != std::this_thread::get_id()) helpers.insert(id);
+    if (k % 5 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // asleep by then
+  }
+  EXPECT_GE(helpers.size(), 1u);
+  EXPECT_LE(helpers.size(), 2u);
 }
 
 }  // namespace
