@@ -1,8 +1,10 @@
 // The two-sided distance: evenly spread samples for its mean, branch and bound for its largest.
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "sheetform/mesh/far_vertices.h"
 #include "sheetform/strip/certificate.h"
@@ -80,11 +82,15 @@ DistanceReport certificate::measure_distance(const std::vector<Vector3>& points,
   const Surface in{points, faces}, out{result.points, strips.faces};
   const ClosestPointTree result_tree(result.points, strips.faces, context);
   context.checkpoint();
-  hits = {area_samples(points, faces, samples), area_samples(result.points, strips.faces, samples), {}, {}};
-  const HeightBound over_input(points, faces, tree.diagonal(), context),
-      over_result(result.points, strips.faces, result_tree.diagonal(), context);
-  OneWayDistance to(in, out, result_tree, &over_result, 0, context),
-      back(out, in, tree, &over_input, 0, context);
+  std::optional<HeightBound> over_input, over_result;
+  const std::array<std::function<void()>, 4> needed{
+      [&] { over_input.emplace(points, faces, tree.diagonal(), context); },
+      [&] { hits.on_input = area_samples(points, faces, samples); },
+      [&] { hits.on_result = area_samples(result.points, strips.faces, samples); },
+      [&] { over_result.emplace(result.points, strips.faces, result_tree.diagonal(), context); }};
+  parallel_for(context, static_cast<int>(needed.size()), [&](int i) { needed[i](); });
+  OneWayDistance to(in, out, result_tree, &*over_result, 0, context),
+      back(out, in, tree, &*over_input, 0, context);
   const double mean_to = to.measure(hits.on_input, &hits.to_result),
                mean_back = back.measure(hits.on_result, &hits.to_input);
   for (OneWayDistance* way : {&to, &back})
