@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
@@ -14,6 +16,7 @@
 #include "sheetform/mesh/mesh_repair.h"
 #include "sheetform/mesh/place_text.h"
 #include "sheetform/mesh/working_mesh.h"
+#include "sheetform/progress.h"
 #include "sheetform/search/component.h"
 #include "sheetform/strip/assemble.h"
 #include "sheetform/strip/close_points.h"
@@ -145,40 +148,6 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
   c.improvements_of_many = variant.improvements_of_many;
   c.seed = params.seed + variant.seed_offset;
   return c;
-}
-
-// The context of one part of a run: its progress fills [begin, end) of the whole.
-RunContext part_of(const RunContext& whole, double begin, double end) {
-  RunContext part = whole;
-  if (whole.progress)
-    part.progress = [&whole, begin, end, reached = begin](Stage stage, double fraction,
-                                                          const std::string& message) mutable {
-      reached = std::max(reached, begin + (end - begin) * fraction);  // steps of a stage come again
-      whole.progress(stage, reached, message);
-    };
-  return part;
-}
-
-// What a tolerance costs beside others: measured on five meshes, 6 % to 0.6 %.
-double work_of(double e_max) { return std::pow(e_max, -0.6); }
-
-// The context of a run for several tolerances, of which the one at `at` is worked on: its progress fills its
-// own stretch of the whole.
-RunContext by_tolerance(const RunContext& whole, const std::vector<Decomposition>& results,
-                        const std::size_t& at) {
-  if (results.size() < 2) return whole;
-  std::vector<double> reached{0};
-  for (const Decomposition& d : results) reached.push_back(reached.back() + work_of(d.params.e_max));
-  for (double& r : reached) r /= reached.back();
-  RunContext part = whole;
-  if (whole.progress)
-    part.progress = [&whole, reached, &at](Stage stage, double fraction, const std::string& message) {
-      const std::size_t k = std::min(at, reached.size() - 2);
-      whole.progress(stage, reached[k] + (reached[k + 1] - reached[k]) * fraction,
-                     "tolerance " + std::to_string(k + 1) + " of " + std::to_string(reached.size() - 1) +
-                         (message.empty() ? "" : ", " + message));
-    };
-  return part;
 }
 
 double cut_length(const StripMesh& strips, const Normalisation& norm, bool border) {
@@ -362,17 +331,22 @@ class Sweep {
 
   // One component of the mesh and what has been found for it.
   struct Piece {
-    int index, count;  // of how many
-    const SurfaceMesh& mesh;
+    int index;
+    bool streams;  // every tolerance is finished as soon as it can be: those before are there
+    SurfaceMesh mesh;
     const ComponentGuides& guides;
     double size;  // its own diagonal
     std::shared_ptr<const ClosestPointTree> tree;
     TriangleSoup whole;  // of a half: see ComponentInput
     std::shared_ptr<const ClosestPointTree> whole_tree;
-    std::vector<ComponentResult> best;  // by tolerance
-    std::size_t finished;               // so many tolerances have their strips
-    bool finishing;                     // what is thrown now is no matter of the search
-    bool last() const { return index + 1 == count; }
+    struct Found {  // by tolerance
+      ComponentResult best;
+      std::map<std::string, double> seconds;  // by stage, of all tries
+      EvaluationCounts counts;
+    };
+    std::vector<Found> found;
+    std::size_t finished = 0;  // so many tolerances have their strips
+    bool finishing = false;    // what is thrown now is no matter of the search
   };
 
   // What all tolerances share; the parameters' own is the finest.
@@ -458,6 +432,7 @@ class Sweep {
       input.drawn_edge = std::move(embedded.drawn_edge);
       if (half_) input.drawn_plane = drawn_on_plane(input.prepared.mesh, drawn.guides.seams);
       const std::vector<int>& out = embedded.left_out;
+      const std::lock_guard lock(followed_mutex_);
       for (int i = 0; i < static_cast<int>(drawn.seam.size()); ++i)
         if (!std::binary_search(out.begin(), out.end(), i)) followed_[drawn.seam[i]] = 1;
     }
@@ -465,32 +440,55 @@ class Sweep {
     input.keep_out = KeepOut(mesh, drawn.guides.keep_out, mean_edge_length(mesh), context);
   }
 
+  // All components but the last side by side; it then takes the tolerances to their ends, one by one.
   void decompose_components(std::vector<Decomposition>& results) {
-    const auto [component, count] = face_components(mesh_);
+    const auto [component, number] = face_components(mesh_);
+    const int count = number;
     const std::vector<ComponentGuides> guides = guides_by_component(strokes_, mesh_, component, count);
     std::vector<int> half_of;  // by face of the whole
     if (half_) half_of = halves_of_whole(whole_, mesh_, component, count);
-    for (int c = 0; c < count; ++c) {
-      TriangleSoup soup = component_soup(mesh_, component, c, context_);
-      const SurfaceMesh mesh = build_surface_mesh(std::move(soup.points), std::move(soup.faces));
-      Piece piece{c,       count, mesh, guides[c], bounding_box_diagonal(mesh.points), nullptr, {},
-                  nullptr, {},    0,    false};
-      piece.tree = std::make_shared<const ClosestPointTree>(mesh.points, mesh.faces, context_);
+    const auto piece_of = [&, &component = component](int c, const RunContext& context) {
+      TriangleSoup soup = component_soup(mesh_, component, c, context);
+      SurfaceMesh mesh = build_surface_mesh(std::move(soup.points), std::move(soup.faces));
+      const double size = bounding_box_diagonal(mesh.points);
+      Piece piece{c, c + 1 == count, std::move(mesh), guides[c], size, {}, {}, {}, {}};
+      piece.tree = std::make_shared<const ClosestPointTree>(piece.mesh.points, piece.mesh.faces, context);
       if (half_) {
-        piece.whole = component_soup(whole_, half_of, c, context_);
+        piece.whole = component_soup(whole_, half_of, c, context);
         piece.whole_tree =
-            std::make_shared<const ClosestPointTree>(piece.whole.points, piece.whole.faces, context_);
+            std::make_shared<const ClosestPointTree>(piece.whole.points, piece.whole.faces, context);
       }
-      decompose_piece(piece, results);
-    }
+      return piece;
+    };
+    const int before_last = count - 1;
+    std::vector<int> faces(count, 0), order(before_last);
+    for (int c : component) ++faces[c];
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return faces[a] > faces[b]; });
+    std::vector<std::vector<Piece::Found>> found(before_last);
+    const double share = 0.9 / count;
+    SharedProgress progress(context_, before_last, 0.05, 0.05 + before_last * share);
+    parallel_for(context_, before_last, [&](int i) {
+      const RunContext context = progress.part(order[i]);
+      Piece piece = piece_of(order[i], context);
+      search(piece, results, context);
+      found[order[i]] = std::move(piece.found);
+    });
+    for (int c = 0; c < before_last; ++c)
+      for (std::size_t k = 0; k < results.size(); ++k) append(found[c][k], c, results[k]);
+    const RunContext context = part_of(context_, 0.05 + before_last * share, 0.95);
+    Piece last = piece_of(before_last, context);
+    search(last, results, context);
+    while (last.finished < results.size()) finish(last, results, context_);
   }
 
-  void decompose_piece(Piece& piece, std::vector<Decomposition>& results) {
+  // Fills what is found for every tolerance.
+  void search(Piece& piece, std::vector<Decomposition>& results, const RunContext& whole) {
     const std::vector<Variant> tries = variants(params_.effort);
-    const double runs = static_cast<double>(piece.count) * static_cast<double>(tries.size());
+    const auto runs = static_cast<double>(tries.size());
     for (std::size_t t = 0; t < tries.size(); ++t) {
-      const double done = static_cast<double>(piece.index) * static_cast<double>(tries.size()) + t;
-      const RunContext part = part_of(context_, 0.05 + 0.9 * done / runs, 0.05 + 0.9 * (done + 1) / runs);
+      const auto done = static_cast<double>(t);
+      const RunContext part = part_of(whole, done / runs, (done + 1) / runs);
       try {
         run(piece, tries[t], t + 1 == tries.size(), part, results);
       } catch (const Error& e) {
@@ -498,54 +496,58 @@ class Sweep {
       }
     }
     // A way that ends without valid strips is not the only one.
-    if (piece.best.size() < results.size())
-      run(piece, {Effort::kDraft, {60}, 0, 0, 11}, false, part_of(context_, 0.95, 0.95), results);
-    while (piece.finished < results.size()) finish(piece, results, context_);
+    if (piece.found.size() < results.size())
+      run(piece, {Effort::kDraft, {60}, 0, 0, 11}, false, part_of(whole, 1, 1), results);
   }
 
-  // One variant for all tolerances; by the last one every tolerance is finished as soon as it can be.
+  // One variant for all tolerances; by the last one a piece that streams finishes every tolerance.
   void run(Piece& piece, const Variant& variant, bool last, const RunContext& whole,
            std::vector<Decomposition>& results) {
     const auto start = Clock::now();
     std::vector<double> tolerances;
     for (const Decomposition& d : results) tolerances.push_back(small_enough(d.params.e_max, piece));
     std::size_t at = 0;
-    RunContext part = by_tolerance(whole, results, at);
+    RunContext part = by_tolerance(whole, tolerances, at);
     part.report(Stage::kPrepare, 0);
     const ComponentInput input = component_input(piece, variant, part);
-    results[0].report.timings["prepare"] += seconds_since(start);
+    double preparing = seconds_since(start);
     const ComponentParams params = component_params(
         common_.params, tolerances[0], spacing_bounds(common_.params, norm_), variant, piece.size);
     sweep_component(input, params, tolerances, part, [&](std::size_t k, ComponentResult fresh) {
-      take(k, std::move(fresh), results[k], piece.best);
-      if (last) finish(piece, results, part);
+      fresh.seconds["prepare"] += std::exchange(preparing, 0);
+      take(std::move(fresh), k, piece.found);
+      if (last && piece.streams) finish(piece, results, part);
       at = k + 1;
     });
   }
 
   // Counts the time and keeps what is better than the best so far.
-  static void take(std::size_t k, ComponentResult fresh, Decomposition& result,
-                   std::vector<ComponentResult>& best) {
-    for (const auto& [name, s] : fresh.seconds) result.report.timings[name] += s;
-    result.report.counts += fresh.counts;
-    if (k >= best.size())
-      best.push_back(std::move(fresh));
-    else if (rank(fresh) < rank(best[k]))
-      best[k] = std::move(fresh);
+  static void take(ComponentResult fresh, std::size_t k, std::vector<Piece::Found>& found) {
+    const bool first = k >= found.size();
+    if (first) found.emplace_back();
+    Piece::Found& all = found[k];
+    for (const auto& [name, s] : fresh.seconds) all.seconds[name] += s;
+    all.counts += fresh.counts;
+    if (first || rank(fresh) < rank(all.best)) all.best = std::move(fresh);
   }
 
-  // The next tolerance gets the strips of this piece; with the last piece it is complete.
-  void finish(Piece& piece, std::vector<Decomposition>& results, RunContext& context) const {
-    const std::size_t k = piece.finished++;
-    piece.finishing = true;
-    append(results[k].strips, piece.best[k].strips, piece.index);
-    std::vector<std::string>& notes = results[k].report.notes;
-    notes.insert(notes.end(), piece.best[k].notes.begin(), piece.best[k].notes.end());
-    if (piece.last()) {
-      complete(results[k], context);
-      if (found_) found_(results[k]);
-    }
-    piece.finishing = false;
+  // The strips of the next component.
+  static void append(const Piece::Found& piece, int index, Decomposition& result) {
+    for (const auto& [name, s] : piece.seconds) result.report.timings[name] += s;
+    result.report.counts += piece.counts;
+    sheetform::append(result.strips, piece.best.strips, index);
+    std::vector<std::string>& notes = result.report.notes;
+    notes.insert(notes.end(), piece.best.notes.begin(), piece.best.notes.end());
+  }
+
+  // The next tolerance gets the strips of the last piece: it is complete.
+  void finish(Piece& last, std::vector<Decomposition>& results, RunContext& context) const {
+    const std::size_t k = last.finished++;
+    last.finishing = true;
+    append(last.found[k], last.index, results[k]);
+    complete(results[k], context);
+    if (found_) found_(results[k]);
+    last.finishing = false;
   }
 
   // From the strips of all components to the certified result in the units of the input.
@@ -612,6 +614,7 @@ class Sweep {
   SurfaceMesh whole_;  // of a half: the input that it and its image stand for, in the same coordinates
   std::optional<SymmetricHalf> half_;
   std::vector<ComponentGuides> strokes_;  // in the coordinates of mesh_
+  std::mutex followed_mutex_;             // of components side by side
   std::vector<char> followed_;            // by drawn seam: it is in the mesh
   TriangleSoup user_soup_;
   ClosestPointTree user_tree_;

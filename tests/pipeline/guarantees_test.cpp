@@ -1,7 +1,9 @@
 // What holds of every input: the same bytes again, any place, size and rotation, files that say what the
 // result is.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "pipeline/run.h"
 #include "sheetform/blueprint/result_reader.h"
@@ -117,27 +119,68 @@ TEST(Guarantees, ProgressGoesForwardThroughTheStages) {
   EXPECT_GT(last, 0.8);
 }
 
-TEST(Guarantees, ProgressGoesForwardOverSeveralComponents) {
-  InputMesh input;
-  for (int i = 0; i < 3; ++i) {
-    const TriangleSoup one = shapes::cylinder(24, 8, 0.5, 1);
-    const int shift = static_cast<int>(input.soup.points.size());
-    for (const Vector3& p : one.points) input.soup.points.push_back(p + Vector3(2 * i, 0, 0));
-    for (const auto& f : one.faces) input.soup.faces.push_back({f[0] + shift, f[1] + shift, f[2] + shift});
-  }
-  RunContext context;
-  double last = 0;
-  context.progress = [&](Stage, double fraction, const std::string&) {
-    EXPECT_GE(fraction, last - 1e-12);
-    last = fraction;
-  };
-  decompose(input, {}, nullptr, context);
-}
-
 void append(const TriangleSoup& one, double scale, const Vector3& shift, TriangleSoup& all) {
   const int first = static_cast<int>(all.points.size());
   for (const Vector3& p : one.points) all.points.push_back(scale * p + shift);
   for (const auto& f : one.faces) all.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+}
+
+// Large and small ones, in no order.
+TriangleSoup several_components() {
+  TriangleSoup all;
+  append(shapes::cylinder(24, 8, 0.5, 1), 1, {0, 0, 0}, all);
+  append(shapes::sphere(8), 0.2, {3, 0, 0}, all);
+  append(bumpy(), 2, {0, 3, 0}, all);
+  append(shapes::torus(24, 12), 0.4, {3, 3, 0}, all);
+  append(shapes::cylinder(12, 4, 0.5, 1), 0.3, {-2, 0, 0}, all);
+  return all;
+}
+
+TEST(Guarantees, SameBytesWhereComponentsRunSideBySide) {
+  const TriangleSoup soup = several_components();
+  const std::string once = bytes_of(run(soup, with_e_max(0.02), 1));
+  for (int threads : {2, 3, 5})
+    EXPECT_TRUE(once == bytes_of(run(soup, with_e_max(0.02), threads))) << threads << " threads";
+}
+
+TEST(Guarantees, ProgressGoesForwardOverSeveralComponents) {
+  InputMesh input;
+  input.soup = several_components();
+  for (int threads : {1, 3}) {
+    RunContext context;
+    context.threads = threads;
+    double last = 0;
+    int calls = 0;
+    std::atomic<int> at_once{0};
+    context.progress = [&](Stage, double fraction, const std::string&) {
+      EXPECT_EQ(++at_once, 1);
+      EXPECT_GE(fraction, last - 1e-12);
+      EXPECT_LE(fraction, 1);
+      last = fraction, ++calls;
+      std::this_thread::yield();
+      --at_once;
+    };
+    decompose(input, {}, nullptr, context);
+    EXPECT_GT(last, 0.8);
+    EXPECT_GE(calls, 5 * 5);
+  }
+}
+
+TEST(Guarantees, SeveralComponentsStopWhenTheyAreToldTo) {
+  InputMesh input;
+  input.soup = several_components();
+  for (int threads : {1, 3}) {
+    std::atomic<bool> cancelled{false};
+    RunContext context;
+    context.threads = threads, context.cancelled = &cancelled;
+    context.progress = [&](Stage, double fraction, const std::string&) { cancelled = fraction > 0.3; };
+    try {
+      decompose(input, {}, nullptr, context);
+      ADD_FAILURE() << "it went on";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kCancelled);
+    }
+  }
 }
 
 int parts_of_component(const Decomposition& d, int component) {

@@ -20,7 +20,8 @@ const char* to_string(Stage stage);
 struct RunContext {
   const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread to stop the run
   std::optional<std::chrono::steady_clock::time_point> deadline;
-  /// Called from the running thread, never concurrently. fraction: of the whole run, 0..1, never decreasing.
+  /// Never called concurrently; from the running thread, or one that works for it. fraction: of the whole
+  /// run, 0..1, never decreasing.
   std::function<void(Stage, double fraction, const std::string& message)> progress;
   int threads = 1;             ///< upper bound of worker threads; results do not depend on it
   std::uint64_t seed = 0;      ///< the only source of randomness
