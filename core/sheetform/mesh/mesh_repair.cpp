@@ -20,6 +20,7 @@ using gluing::Gluing;
 constexpr double kNear = 1e-9;        // of the diagonal: points that are meant to be one
 constexpr double kGap = 1e-5;         // of the diagonal: between copies of a vertex that was split
 constexpr double kLeastArea = 1e-10;  // of the squared diagonal
+constexpr double kNoArea = 1e-14;     // the same; less is rounding
 
 // The first places of one kind of finding.
 class Places {
@@ -144,6 +145,38 @@ void drop_duplicates(Work& work) {
     if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin())) again[keys[i][3]] = 1;
   filter_faces(work, "duplicate-face", "on the same vertices as another one",
                [&](std::size_t f) { return !again[f]; });
+}
+
+// Components of faces that have no area all together go, such as a needle that was cut open from the faces at
+// its sides: no sheet could be made of them. Whether there were any; what has no area at all stays.
+bool drop_without_area(Work& work, const Gluing& g) {
+  const std::vector<Vector3>& points = work.soup.points;
+  const double diagonal = bounding_box_diagonal(points), least = kNoArea * diagonal * diagonal;
+  const int n = static_cast<int>(work.soup.faces.size());
+  const auto area = [&](int f) {
+    const auto& t = work.soup.faces[f];
+    return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
+  };
+  std::vector<char> seen(n, 0), empty(n, 0);
+  int left = n;
+  for (int seed = 0; seed < n; ++seed) {
+    if (seen[seed] || area(seed) > least) continue;
+    std::vector<int> component{seed};
+    double sum = 0;
+    seen[seed] = 1;
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      sum += area(component[i]);
+      for (int side = 3 * component[i]; side < 3 * component[i] + 3; ++side)
+        if (const int f = g.partner[side] / 3; g.partner[side] >= 0 && !seen[f])
+          seen[f] = 1, component.push_back(f);
+    }
+    if (sum > least) continue;
+    for (int f : component) empty[f] = 1, --left;
+  }
+  if (left == n || left == 0) return false;
+  filter_faces(work, "no-area", "of components without any area", [&](std::size_t f) { return !empty[f]; });
+  drop_unused(work);
+  return true;
 }
 
 // Every side has at most one partner of opposite direction, every vertex one fan.
@@ -325,7 +358,7 @@ void note_flat(Work& work, const SurfaceMesh& mesh, double diagonal) {
   std::size_t flat = 0;
   Places places;
   for (int f = 0; f < mesh.face_count(); ++f)
-    if (!(mesh.face_normal_raw(f).norm() > 1e-14 * diagonal * diagonal)) {
+    if (!(mesh.face_normal_raw(f).norm() > kNoArea * diagonal * diagonal)) {
       ++flat;
       places.add(mesh.points[mesh.faces[f][0]]);
     }
@@ -404,8 +437,12 @@ RepairResult repair(const TriangleSoup& soup, const RunContext& context) {
     g = gluing::glue(work.soup);
     context.checkpoint();
     gluing::orient(work.soup, g);
-    note_topology(work, g);
   }
+  if (drop_without_area(work, g)) {
+    g = gluing::glue(work.soup);
+    gluing::orient(work.soup, g);
+  }
+  if (!clean) note_topology(work, g);
   if (work.soup.faces.empty()) nothing_left("no face of the mesh has three different corners");
   context.checkpoint();
   RepairResult result = assembled(work, g, context);

@@ -119,6 +119,32 @@ TEST(MeshRepair, UnusedPointsAndCollapsedFacesGo) {
   for (int v = 0; v < r.mesh.vertex_count(); ++v) EXPECT_EQ(s.points[r.vertex_origin[v]], r.mesh.points[v]);
 }
 
+// A pyramid whose top is parted by a needle, there twice, back to back: its long side lies along two faces.
+TEST(MeshRepair, NeedlesThatArePartOfNothingGo) {
+  TriangleSoup s;
+  s.points = {{0, 0, 0}, {0, 4, 0}, {0, 2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 2, -4}};
+  s.faces = {{0, 1, 2}, {2, 1, 0}, {3, 2, 0}, {3, 1, 2}, {1, 4, 2},
+             {4, 0, 2}, {4, 5, 0}, {0, 5, 3}, {5, 4, 1}, {5, 1, 3}};
+  const RepairResult r = repair(s);
+  expect_topology(r, 1, 0, 2);
+  EXPECT_EQ(r.mesh.face_count(), 8);
+  EXPECT_EQ(count_of(r, "duplicate-face"), 1);
+  EXPECT_EQ(count_of(r, "no-area"), 1);
+  EXPECT_EQ(count_of(r, "zero-area-face"), 0);
+}
+
+TEST(MeshRepair, ComponentsWithoutAreaGo) {
+  TriangleSoup s = shapes::sphere(3);
+  const auto n = static_cast<int>(s.points.size());
+  const std::size_t faces = s.faces.size();
+  s.points.insert(s.points.end(), {{5, 0, 0}, {6, 0, 0}, {7, 0, 0}, {8, 0, 0}});
+  s.faces.push_back({n, n + 2, n + 1}), s.faces.push_back({n + 1, n + 2, n + 3});
+  const RepairResult r = repair(s);
+  expect_topology(r, 1, 0, 2);
+  EXPECT_EQ(static_cast<std::size_t>(r.mesh.face_count()), faces);
+  EXPECT_EQ(count_of(r, "no-area"), 2);
+}
+
 TEST(MeshRepair, DoubledFacesGo) {
   TriangleSoup s = shapes::plane(3);
   const std::size_t n = s.faces.size();
