@@ -36,25 +36,77 @@ class Extractor {
       : mesh_(mesh), net_(network), versions_(versions), rules_(rules) {}
 
   PatchLayout run(std::vector<int> faces) {
-    out_.node.assign(mesh_.points.size(), 0);
     out_.face_patch.assign(mesh_.faces.size(), -1);
-    out_.edge_arch.assign(mesh_.edges.size(), -1);
     if (!std::is_sorted(faces.begin(), faces.end())) std::sort(faces.begin(), faces.end());
+    take(faces);
+    return finished();
+  }
+
+  PatchLayout run_after(PatchLayout before) {
+    const std::vector<char> changed = changed_patches(before);
+    std::vector<int> faces;
+    for (int f = 0; f < mesh_.face_count(); ++f)
+      if (changed[before.face_patch[f]]) before.face_patch[f] = -1, faces.push_back(f);
+    out_.face_patch = std::move(before.face_patch);
+    take(faces);
+    for (std::size_t p = 0; p < changed.size(); ++p)
+      if (!changed[p]) keep(before.patches[p]);
+    number_by_lowest_face();
+    return finished();
+  }
+
+ private:
+  // A face's edge on the outline of its patch; edge k joins corners k and k + 1.
+  struct HalfEdge {
+    explicit HalfEdge(int side) : face(side / 3), k(side % 3) {}
+    int face, k;
+  };
+
+  // By patch of an earlier layout: whether an edge or a vertex of it is other than it was.
+  std::vector<char> changed_patches(const PatchLayout& before) const {
+    std::vector<char> changed(before.patches.size(), 0);
+    const auto mark = [&](int e) {
+      for (int f : {mesh_.edges[e].f0, mesh_.edges[e].f1})
+        if (f >= 0) changed[before.face_patch[f]] = 1;
+    };
+    for (int e = 0; e < mesh_.edge_count(); ++e)
+      if ((before.edge_arch[e] >= 0) != net_.used(e)) mark(e);
+    for (int v = 0; v < mesh_.vertex_count(); ++v)
+      if (before.versions[v] != versions_[v])
+        std::for_each(mesh_.ring_begin_of(v), mesh_.ring_end_of(v), mark);
+    return changed;
+  }
+
+  void keep(Patch& old) {
+    Patch& patch = out_.patches.emplace_back();
+    patch.faces = std::move(old.faces), patch.outline = std::move(old.outline);
+    patch.area = old.area, patch.moves = old.moves, patch.inner_vertices = old.inner_vertices;
+  }
+
+  // As if all faces had been flooded in their order.
+  void number_by_lowest_face() {
+    std::sort(out_.patches.begin(), out_.patches.end(),
+              [](const Patch& a, const Patch& b) { return a.faces.front() < b.faces.front(); });
+    for (std::size_t p = 0; p < out_.patches.size(); ++p)
+      for (int f : out_.patches[p].faces) out_.face_patch[f] = static_cast<int>(p);
+  }
+
+  // Patches of these faces, which ascend.
+  void take(const std::vector<int>& faces) {
     for (int f : faces) flood(f);
-    outline_.resize(out_.patches.size()), moves_.assign(out_.patches.size(), 0);
     for (int f : faces) collect(f);
+  }
+
+  // What follows from the outlines.
+  PatchLayout finished() {
+    out_.node.assign(mesh_.points.size(), 0);
+    out_.edge_arch.assign(mesh_.edges.size(), -1);
     mark_nodes();
     chain_arches();
     walk_boundaries();
     for (std::size_t p = 0; p < out_.patches.size(); ++p) judge(static_cast<int>(p));
     return std::move(out_);
   }
-
- private:
-  // A face's edge on the outline of its patch; edge k joins corners k and k + 1.
-  struct HalfEdge {
-    int face, k;
-  };
 
   // Labels all faces that hang together with this one.
   void flood(int seed) {
@@ -81,14 +133,14 @@ class Extractor {
     patch.faces.push_back(f);
     patch.area += mesh_.face_normal_raw(f).norm() / 2;
     for (int k = 0; k < 3; ++k)
-      if (net_.used(mesh_.face_edges[f][k])) outline_[id].push_back({f, k});
+      if (net_.used(mesh_.face_edges[f][k])) patch.outline.push_back(3 * f + k);
     for (int v : mesh_.faces[f])
-      if (versions_[v] != 0) moves_[id] += mix(v, versions_[v]);
+      if (versions_[v] != 0) patch.moves += mix(v, versions_[v]);
   }
 
   void mark_nodes() {
-    for (const auto& outline : outline_)  // outlines are loops: every vertex starts an edge
-      for (const HalfEdge& h : outline) mark_node(mesh_.faces[h.face][h.k]);
+    for (const Patch& patch : out_.patches)  // outlines are loops: every vertex starts an edge
+      for (int side : patch.outline) mark_node(mesh_.faces[side / 3][side % 3]);
   }
 
   void mark_node(int v) {
@@ -178,9 +230,9 @@ class Extractor {
   }
 
   void chain_arches() {
-    for (const auto& outline : outline_)
-      for (const HalfEdge& h : outline)
-        if (const int e = mesh_.face_edges[h.face][h.k]; out_.edge_arch[e] < 0) trace_arch(e);
+    for (const Patch& patch : out_.patches)
+      for (int side : patch.outline)
+        if (const int e = mesh_.face_edges[side / 3][side % 3]; out_.edge_arch[e] < 0) trace_arch(e);
   }
 
   // The next boundary half-edge after corner k of f, turning inside the patch.
@@ -220,8 +272,9 @@ class Extractor {
   void walk_boundaries() {
     seen_.assign(3 * mesh_.faces.size(), 0);
     for (std::size_t p = 0; p < out_.patches.size(); ++p)
-      for (const HalfEdge& h : outline_[p]) {
-        if (seen_[3 * h.face + h.k]) continue;
+      for (int side : out_.patches[p].outline) {
+        if (seen_[side]) continue;
+        const HalfEdge h(side);
         // Start at a node, so that no arch is entered in its middle.
         auto [g, j] = std::pair{h.face, h.k};
         while (!out_.node[mesh_.faces[g][j]]) {
@@ -235,6 +288,13 @@ class Extractor {
 
   // Of the patch cut open: inner vertices - inner edges + faces (vertices and edges of the outline cancel).
   int euler(int p) {
+    Patch& patch = out_.patches[p];
+    if (patch.inner_vertices < 0) patch.inner_vertices = count_inner_vertices(p);
+    const auto faces = static_cast<int>(patch.faces.size()), outer = static_cast<int>(patch.outline.size());
+    return patch.inner_vertices - (3 * faces - outer) / 2 + faces;
+  }
+
+  int count_inner_vertices(int p) {
     const Patch& patch = out_.patches[p];
     int vertices = 0;
     const auto count = [&](int v, int by, int mark) {
@@ -242,10 +302,9 @@ class Extractor {
     };
     for (int f : patch.faces)
       for (int v : mesh_.faces[f]) count(v, 1, 2 * p + 1);
-    for (const HalfEdge& h : outline_[p])
-      for (int v : {mesh_.faces[h.face][h.k], mesh_.faces[h.face][(h.k + 1) % 3]}) count(v, -1, 2 * p + 2);
-    const auto faces = static_cast<int>(patch.faces.size()), outer = static_cast<int>(outline_[p].size());
-    return vertices - (3 * faces - outer) / 2 + faces;
+    for (int side : patch.outline)
+      for (int corner : {side % 3, (side % 3 + 1) % 3}) count(mesh_.faces[side / 3][corner], -1, 2 * p + 2);
+    return vertices;
   }
 
   int& stamp(int v) {
@@ -257,7 +316,7 @@ class Extractor {
     Patch& patch = out_.patches[p];
     const bool disk = patch.loops == 1 && euler(p) == 1;
     patch.defect = disk ? contact(patch) : TopologyDefect::kNotADisk;
-    patch.key = mix(patch.faces.size() + moves_[p], static_cast<std::uint64_t>(patch.loops));
+    patch.key = mix(patch.faces.size() + patch.moves, static_cast<std::uint64_t>(patch.loops));
     for (const ArchUse& use : patch.boundary) {
       const std::vector<int>& line = out_.arches[use.arch].vertices;
       const char start =
@@ -303,8 +362,6 @@ class Extractor {
   const std::vector<int>& versions_;
   const LayoutRules& rules_;
   PatchLayout out_;
-  std::vector<std::vector<HalfEdge>> outline_;  // by patch, ascending
-  std::vector<std::uint64_t> moves_;            // by patch: a hash of where its vertices have moved to
   std::vector<char> seen_;
   std::vector<int> stamps_;
 };
@@ -395,9 +452,21 @@ std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& net
 
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
                            const std::vector<int>& versions, const LayoutRules& rules) {
-  std::vector<int> every(mesh.faces.size());
-  std::iota(every.begin(), every.end(), 0);
-  return Extractor(mesh, network, versions, rules).run(every);
+  return extract_layout(mesh, network, versions, rules, {});
+}
+
+PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
+                           const std::vector<int>& versions, const LayoutRules& rules, PatchLayout before) {
+  Extractor extractor(mesh, network, versions, rules);
+  if (before.versions.empty()) {
+    std::vector<int> every(mesh.faces.size());
+    std::iota(every.begin(), every.end(), 0);
+    before = extractor.run(std::move(every));
+  } else {
+    before = extractor.run_after(std::move(before));
+  }
+  before.versions = versions;
+  return before;
 }
 
 PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,

@@ -74,7 +74,7 @@ LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const Search
 
 const PatchLayout& LayoutSearch::layout() {
   if (layout_valid_) return layout_;  // nothing is written then: several threads may ask
-  layout_ = extract_layout(surface_.mesh, network_.network(), surface_.versions, rules_);
+  layout_ = extract_layout(surface_.mesh, network_.network(), surface_.versions, rules_, std::move(layout_));
   layout_valid_ = true;
   return layout_;
 }

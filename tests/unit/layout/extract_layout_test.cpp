@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 #include <set>
 
 #include "sheetform/layout/layout.h"
@@ -408,6 +409,71 @@ INSTANTIATE_TEST_SUITE_P(Some, Drawings,
                          ::testing::Values("A", "AB", "A/B", "AB/CD", "AAB/CAB/CDD", "A.B/ACB",
                                            "AAAA/BCCB/BCCB/DDDD", "ABC/DEF/GHI", "AAAB/CDDB/CDDB/CEEE",
                                            "..A../.BBB./CCDCC/.EEE./..F..", "AAA/A.A/AAA", "ABA/BAB/ABA"));
+
+void expect_same(const PatchLayout& a, const PatchLayout& b) {
+  EXPECT_EQ(a.face_patch, b.face_patch);
+  EXPECT_EQ(a.edge_arch, b.edge_arch);
+  EXPECT_EQ(a.node, b.node);
+  EXPECT_EQ(a.versions, b.versions);
+  ASSERT_EQ(a.arches.size(), b.arches.size());
+  for (std::size_t i = 0; i < a.arches.size(); ++i) {
+    const Arch &x = a.arches[i], &y = b.arches[i];
+    EXPECT_EQ(x.vertices, y.vertices);
+    EXPECT_EQ(x.edges, y.edges);
+    EXPECT_TRUE(x.path == y.path && x.left == y.left && x.right == y.right && x.length == y.length &&
+                x.key == y.key);
+  }
+  ASSERT_EQ(a.patches.size(), b.patches.size());
+  for (std::size_t p = 0; p < a.patches.size(); ++p) {
+    const Patch &x = a.patches[p], &y = b.patches[p];
+    EXPECT_EQ(x.faces, y.faces);
+    EXPECT_EQ(x.outline, y.outline);
+    ASSERT_EQ(x.boundary.size(), y.boundary.size());
+    for (std::size_t i = 0; i < x.boundary.size(); ++i)
+      EXPECT_TRUE(x.boundary[i].arch == y.boundary[i].arch && x.boundary[i].forward == y.boundary[i].forward);
+    EXPECT_TRUE(x.loops == y.loops && x.defect == y.defect && x.area == y.area && x.key == y.key);
+  }
+}
+
+// Seams come and go, change their path, vertices move: each layout follows from the one before.
+TEST(ExtractLayout, FromTheOneBeforeItIsTheSame) {
+  std::mt19937 random(3);
+  const auto any = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (int drawing = 0; drawing < 12; ++drawing) {
+    Canvas canvas;
+    canvas.steps = 2;
+    canvas.roll = canvas.close = drawing % 3 == 0;
+    if (canvas.close)
+      canvas.place = [](double x, double y) {
+        const double a = x * 2 * M_PI / 6, b = y * 2 * M_PI / 4;
+        return Vector3((2 + std::cos(b)) * std::cos(a), (2 + std::cos(b)) * std::sin(a), std::sin(b));
+      };
+    Drawing d = drawn("ABBACC/AABCCC/DABBCA/DDDACA", canvas);
+    PatchLayout layout = extract_layout(d.mesh, d.network, d.versions, {});
+    int last_version = 0;
+    for (int step = 0; step < 40; ++step) {
+      const Arch& arch = layout.arches[any(static_cast<int>(layout.arches.size()))];
+      const bool border = arch.left < 0 || arch.right < 0;
+      const int change = any(4), other = any(static_cast<int>(d.network.kinds.size()));
+      if (change == 0 && !border)
+        for (int e : arch.edges) d.network.edge_path[e] = PathNetwork::kFree;
+      if (change == 1 && !border)
+        for (int e : arch.edges) d.network.edge_path[e] = other;
+      if (change == 2)  // some may hang anywhere
+        for (int k = 0; k < 3; ++k)
+          if (int& path = d.network.edge_path[any(d.mesh.edge_count())]; path == PathNetwork::kFree)
+            path = other;
+      if (change == 3) {
+        const int v = any(d.mesh.vertex_count());
+        d.mesh.points[v] += Vector3(0.01, -0.02, 0.01), d.versions[v] = ++last_version;
+      }
+      layout = extract_layout(d.mesh, d.network, d.versions, {}, std::move(layout));
+      expect_same(layout, extract_layout(d.mesh, d.network, d.versions, {}));
+      if (layout.arches.empty()) break;
+    }
+    ASSERT_FALSE(HasFailure()) << "drawing " << drawing;
+  }
+}
 
 }  // namespace
 }  // namespace sheetform
