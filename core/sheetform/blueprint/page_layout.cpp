@@ -8,8 +8,6 @@
 namespace sheetform {
 namespace {
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Andrew's monotone chain, counter-clockwise.
 Polygon convex_hull(Polygon points) {
   std::sort(points.begin(), points.end(), [](const Vector2& a, const Vector2& b) {

@@ -5,7 +5,6 @@
 namespace sheetform {
 namespace {
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 double turn(const Vector2& a, const Vector2& b, const Vector2& c) { return cross(b - a, c - b); }
 
 // Twice the vector area (Newell): normal of the plane that fits the polygon, seen counter-clockwise.

@@ -63,6 +63,8 @@ struct SurfaceMesh {
 /// unused vertices (mesh/repair makes it one). O(n log n).
 SurfaceMesh build_surface_mesh(std::vector<Vector3> points, std::vector<std::array<int, 3>> faces);
 
+/// Twice the signed area of the triangle between them, counter-clockwise positive.
+inline double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 /// In radians, exact for small ones too; of vectors of any length.
 inline double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));

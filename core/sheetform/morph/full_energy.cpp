@@ -10,8 +10,6 @@ namespace {
 using Entry = EnergyRows::Entry;
 using Entries = std::vector<Entry>;
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // One-ring averages with cotangent weights of the chart.
 class Planarity {
  public:

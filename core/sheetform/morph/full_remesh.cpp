@@ -9,8 +9,6 @@ namespace {
 // Stops of an arch are kept a little further apart than what CutChart would merge.
 constexpr double kApart = 1.5 * CutChart::kMerge;
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Twice the area over the square of the longest side; 0 for a degenerate triangle, of either orientation.
 double fatness(const Vector2& a, const Vector2& b, const Vector2& c) {
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});

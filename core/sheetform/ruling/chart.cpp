@@ -17,8 +17,6 @@ constexpr double kMostChange = 0.8;  // of a length of the outline
 constexpr double kBlurred = 1e-12;   // of the energy at rest: below, energies are rounding
 constexpr int kInnerIterations = 3;  // with the outline held: exact on cones, where clamped weights are not
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 struct Corners {  // union-find over the 3F corners of a patch
   std::vector<int> parent;
   int find(int i) {

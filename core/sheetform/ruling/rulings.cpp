@@ -12,8 +12,6 @@ constexpr double kForbidden = 1e9;
 constexpr double kNoHeight = 0.002;
 constexpr int kSamples = 7;  // inner samples of a chord
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Residuals of d (zero at both ends) after the best affine function of the parameter is taken away.
 double half_sagitta(const std::array<Vector3, kSamples>& d) {
   constexpr int n = kSamples + 2;

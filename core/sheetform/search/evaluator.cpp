@@ -24,8 +24,6 @@ constexpr int kNarrowFaces = 12;
 constexpr int kMostClashes = 6;        // times that rulings are looked for anew
 constexpr double kTurnAlongPath = 60;  // degrees: where a path bends more, a patch has a corner
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 std::array<double, 3> barycentric(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& p) {
   const double whole = cross(b - a, c - a);
   if (std::abs(whole) < 1e-300) return {1, 0, 0};

@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 bool covers(const PatchPolygon& polygon, const std::array<int, 3>& t, const Vector2& u) {
   const Vector2 &a = polygon.uv[t[0]], &b = polygon.uv[t[1]], &c = polygon.uv[t[2]];
   return cross(b - a, u - a) >= 0 && cross(c - b, u - b) >= 0 && cross(a - c, u - c) >= 0;

@@ -9,8 +9,6 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kClear = 1e-6;  // of the segment: height of all other points over it
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 bool glued_to_itself(const PatchLayout& layout, const Patch& patch) {
   return std::any_of(patch.boundary.begin(), patch.boundary.end(), [&](const ArchUse& use) {
     return layout.arches[use.arch].left == layout.arches[use.arch].right;

@@ -491,8 +491,6 @@ constexpr int kMostEnds = 300;  // places of an outline that lines end at
 constexpr double kApart = 0.4;  // lines differ by so much of the longest at one end
 constexpr int kLookedAt = 10;   // stretches of a line whose ends have to lie inside of the chart
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 bool is_inside(const ChartCutter& cutter, const Vector2& u) {
   bool inside = false;
   for (int i = 0, n = cutter.places(); i < n; ++i) {

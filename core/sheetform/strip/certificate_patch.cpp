@@ -13,8 +13,6 @@ constexpr double kPi = 3.14159265358979323846;
 
 std::string edge_name(int a, int b) { return "v" + std::to_string(a) + "-v" + std::to_string(b); }
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 double patch_size(const StripMesh& r, const StripMesh::Patch& patch) {
   Eigen::AlignedBox3d box;
   for (const StripMesh::Triangle& t : patch.triangles)

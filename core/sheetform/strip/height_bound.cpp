@@ -16,8 +16,6 @@ constexpr double kThin = 1e-6;       // sine at a corner below which a triangle 
 constexpr double kMany = 32;
 constexpr std::size_t kMost = 128;
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Not below the length.
 double length_or_more(const Vector2& v) { return std::abs(v.x()) + std::abs(v.y()); }
 

@@ -5,11 +5,7 @@
 #include <numeric>
 
 namespace sheetform {
-namespace {
-
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-}  // namespace
+namespace {}  // namespace
 
 double signed_area(const std::vector<Vector2>& p) {
   double twice = 0;

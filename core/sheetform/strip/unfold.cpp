@@ -8,8 +8,6 @@
 namespace sheetform {
 namespace {
 
-double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Third corner from the lengths, on the left of a -> b.
 Vector2 apex(const Vector2& a, const Vector2& b, double length, const Vector3& pa, const Vector3& pb,
              const Vector3& pc) {

@@ -102,8 +102,6 @@ inline const RuledScene& flat_parts() {
   return scene;
 }
 
-inline double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 inline double largest(const std::vector<double>& x) { return *std::max_element(x.begin(), x.end()); }
 
 }  // namespace sheetform
