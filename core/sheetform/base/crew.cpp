@@ -1,7 +1,6 @@
 #include "sheetform/base/crew.h"
 
 #include <chrono>
-#include <system_error>
 
 namespace sheetform {
 namespace {
@@ -34,10 +33,10 @@ bool Crew::begin(const std::function<void()>& task) {
   for (const auto& member : members_) {
     int expected = kFree;
     if (!member->state.compare_exchange_strong(expected, kTaken)) continue;
-    member->task = task;
     try {
+      member->task = task;
       if (!member->thread.joinable()) member->thread = std::thread([&m = *member] { m.run(); });
-    } catch (const std::system_error&) {
+    } catch (...) {  // no memory, or no thread: others help
       member->state = kFree;
       return false;
     }

@@ -22,7 +22,8 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// Has one of the threads call the task; false when all have one, or no thread could be started.
+  /// Has one of the threads call the task; false when all have one, or there is no memory or
+  /// thread for it. Throws nothing.
   bool begin(const std::function<void()>& task);
 
  private:

@@ -77,13 +77,14 @@ void share_out(Loop& outermost, const RunContext& context, int n, const std::fun
     ++outermost.idle;
   };
   // A helper is done with all that is here when it tells so, and the last one tells it to what may outlive
-  // it.
+  // it. From the first that begins on nothing may throw.
   const auto working = std::make_shared<std::atomic<int>>(helpers);
   const auto leave = [](std::atomic<int>& left) {
     if (--left == 0) left.notify_one();
   };
+  const std::function<void()> help = [&work, working, leave] { work(), leave(*working); };
   for (int w = 0; w < helpers; ++w) {
-    if (outermost.crew.begin([&work, working, leave] { work(), leave(*working); })) continue;
+    if (outermost.crew.begin(help)) continue;
     ++outermost.idle;
     leave(*working);
   }

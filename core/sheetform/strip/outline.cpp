@@ -5,7 +5,6 @@
 #include <numeric>
 
 namespace sheetform {
-namespace {}  // namespace
 
 double signed_area(const std::vector<Vector2>& p) {
   double twice = 0;
