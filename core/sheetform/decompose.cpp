@@ -332,7 +332,6 @@ class Sweep {
   // One component of the mesh and what has been found for it.
   struct Piece {
     int index;
-    bool streams;  // every tolerance is finished as soon as it can be: those before are there
     SurfaceMesh mesh;
     const ComponentGuides& guides;
     double size;  // its own diagonal
@@ -345,6 +344,7 @@ class Sweep {
       EvaluationCounts counts;
     };
     std::vector<Found> found;
+    bool streams = false;      // every tolerance is finished as soon as it can be: all others are there
     std::size_t finished = 0;  // so many tolerances have their strips
     bool finishing = false;    // what is thrown now is no matter of the search
   };
@@ -440,7 +440,8 @@ class Sweep {
     input.keep_out = KeepOut(mesh, drawn.guides.keep_out, mean_edge_length(mesh), context);
   }
 
-  // All components but the last side by side; it then takes the tolerances to their ends, one by one.
+  // All components side by side. Of a sweep all but the last: it then takes the tolerances to their ends, one
+  // by one.
   void decompose_components(std::vector<Decomposition>& results) {
     const auto [component, number] = face_components(mesh_);
     const int count = number;
@@ -451,7 +452,7 @@ class Sweep {
       TriangleSoup soup = component_soup(mesh_, component, c, context);
       SurfaceMesh mesh = build_surface_mesh(std::move(soup.points), std::move(soup.faces));
       const double size = bounding_box_diagonal(mesh.points);
-      Piece piece{c, c + 1 == count, std::move(mesh), guides[c], size, {}, {}, {}, {}};
+      Piece piece{c, std::move(mesh), guides[c], size, {}, {}, {}, {}};
       piece.tree = std::make_shared<const ClosestPointTree>(piece.mesh.points, piece.mesh.faces, context);
       if (half_) {
         piece.whole = component_soup(whole_, half_of, c, context);
@@ -460,24 +461,26 @@ class Sweep {
       }
       return piece;
     };
-    const int before_last = count - 1;
-    std::vector<int> faces(count, 0), order(before_last);
+    const int together = results.size() > 1 ? count - 1 : count;
+    std::vector<int> faces(count, 0), order(together);
     for (int c : component) ++faces[c];
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return faces[a] > faces[b]; });
-    std::vector<std::vector<Piece::Found>> found(before_last);
+    std::vector<std::vector<Piece::Found>> found(together);
     const double share = 0.9 / count;
-    SharedProgress progress(context_, before_last, 0.05, 0.05 + before_last * share);
-    parallel_for(context_, before_last, [&](int i) {
+    SharedProgress progress(context_, together, 0.05, 0.05 + together * share);
+    parallel_for(context_, together, [&](int i) {
       const RunContext context = progress.part(order[i]);
       Piece piece = piece_of(order[i], context);
       search(piece, results, context);
       found[order[i]] = std::move(piece.found);
     });
-    for (int c = 0; c < before_last; ++c)
+    for (int c = 0; c < together; ++c)
       for (std::size_t k = 0; k < results.size(); ++k) append(found[c][k], c, results[k]);
-    const RunContext context = part_of(context_, 0.05 + before_last * share, 0.95);
-    Piece last = piece_of(before_last, context);
+    if (together == count) return complete_and_tell(results.front(), context_);
+    const RunContext context = part_of(context_, 0.05 + together * share, 0.95);
+    Piece last = piece_of(together, context);
+    last.streams = true;
     search(last, results, context);
     while (last.finished < results.size()) finish(last, results, context_);
   }
@@ -545,9 +548,13 @@ class Sweep {
     const std::size_t k = last.finished++;
     last.finishing = true;
     append(last.found[k], last.index, results[k]);
-    complete(results[k], context);
-    if (found_) found_(results[k]);
+    complete_and_tell(results[k], context);
     last.finishing = false;
+  }
+
+  void complete_and_tell(Decomposition& d, RunContext& context) const {
+    complete(d, context);
+    if (found_) found_(d);
   }
 
   // From the strips of all components to the certified result in the units of the input.
