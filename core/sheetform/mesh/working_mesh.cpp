@@ -35,10 +35,11 @@ int most_draft_faces(double e_max) { return std::clamp(static_cast<int>(70 / e_m
 constexpr double kSmall = 0.5, kFine = 0.03;
 constexpr int kLeastFaces = 2500, kLeastOfDraft = 1200, kLeastOfSmall = 800;
 
+// A draft is what is tried where all else ends without valid strips: it is to have another mesh.
 int least_faces(const SurfaceMesh& mesh, const WorkingMeshParams& params) {
+  if (params.draft) return kLeastOfDraft;
   const double size = bounding_box_diagonal(mesh.points);
-  if (size < kSmall && params.e_max > kFine * size) return kLeastOfSmall;
-  return params.draft ? kLeastOfDraft : kLeastFaces;
+  return size < kSmall && params.e_max > kFine * size ? kLeastOfSmall : kLeastFaces;
 }
 
 // Working edge length: coarse enough to be quick, fine enough that facets cost a small share of the
