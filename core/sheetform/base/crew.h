@@ -11,8 +11,8 @@ namespace sheetform {
 /// Waits until `value` is no longer `old`: awake for about as long as a loop of a run takes, then asleep.
 void wait_while(const std::atomic<int>& value, int old);
 
-/// Threads that wait for tasks, awake for a while after each. To start a thread takes 70 us until it works
-/// and to join it as long, and a run on a small mesh has two hundred loops of 1 ms.
+/// Threads that wait for tasks, awake for a while after each. To start a thread takes 54 to 116 us until it
+/// works, and a run on a small mesh has two hundred loops of 1 ms.
 class Crew {
  public:
   /// At most so many, each started when it is first needed.

@@ -120,7 +120,7 @@ int threads_at_hand(const RunContext& context) {
 }
 
 void keep_threads(RunContext& context) {
-  if (context.threads > 1) context.crew = std::make_shared<Crew>(context.threads);
+  if (context.threads > 1 && !context.crew) context.crew = std::make_shared<Crew>(context.threads);
 }
 
 void parallel_for(const RunContext& context, int n, const std::function<void(int)>& fn) {

@@ -56,12 +56,6 @@ class Extractor {
   }
 
  private:
-  // A face's edge on the outline of its patch; edge k joins corners k and k + 1.
-  struct HalfEdge {
-    explicit HalfEdge(int side) : face(side / 3), k(side % 3) {}
-    int face, k;
-  };
-
   // By patch of an earlier layout: whether an edge or a vertex of it is other than it was.
   std::vector<char> changed_patches(const PatchLayout& before) const {
     std::vector<char> changed(before.patches.size(), 0);
@@ -274,12 +268,11 @@ class Extractor {
     for (std::size_t p = 0; p < out_.patches.size(); ++p)
       for (int side : out_.patches[p].outline) {
         if (seen_[side]) continue;
-        const HalfEdge h(side);
         // Start at a node, so that no arch is entered in its middle.
-        auto [g, j] = std::pair{h.face, h.k};
+        auto [g, j] = std::pair{side / 3, side % 3};
         while (!out_.node[mesh_.faces[g][j]]) {
           std::tie(g, j) = successor(g, j);
-          if (g == h.face && j == h.k) break;
+          if (3 * g + j == side) break;
         }
         auto uses = walk_loop(g, j);
         if (out_.patches[p].loops++ == 0) out_.patches[p].boundary = std::move(uses);
@@ -451,11 +444,6 @@ std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& net
 }
 
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
-                           const std::vector<int>& versions, const LayoutRules& rules) {
-  return extract_layout(mesh, network, versions, rules, {});
-}
-
-PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
                            const std::vector<int>& versions, const LayoutRules& rules, PatchLayout before) {
   Extractor extractor(mesh, network, versions, rules);
   if (before.versions.empty()) {
@@ -467,6 +455,13 @@ PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
   }
   before.versions = versions;
   return before;
+}
+
+std::vector<int> largest_first(const PatchLayout& layout, std::vector<int> patches) {
+  std::stable_sort(patches.begin(), patches.end(), [&](int a, int b) {
+    return layout.patches[a].faces.size() > layout.patches[b].faces.size();
+  });
+  return patches;
 }
 
 PatchLayout extract_region(const SurfaceMesh& mesh, const PathNetwork& network,

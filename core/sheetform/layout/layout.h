@@ -113,12 +113,13 @@ std::vector<int> with_neighbours(const SurfaceMesh& mesh, const PathNetwork& net
                                  const std::vector<int>& faces);
 
 /// Floods the faces, chains the edges into arches, walks the patches' boundaries. versions: per vertex,
-/// changes when the vertex has moved. O(faces).
+/// changes when the vertex has moved. before: the layout of an earlier network on the same mesh, or none;
+/// patches whose edges and vertices are as they were are taken from it, not flooded anew. O(faces).
 PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
-                           const std::vector<int>& versions, const LayoutRules& rules);
-/// The same, from the layout of an earlier network on the same mesh, or none: patches whose edges and
-/// vertices are as they were are not flooded anew. A layout of 100 patches in a fifth of the time.
-PatchLayout extract_layout(const SurfaceMesh& mesh, const PathNetwork& network,
-                           const std::vector<int>& versions, const LayoutRules& rules, PatchLayout before);
+                           const std::vector<int>& versions, const LayoutRules& rules,
+                           PatchLayout before = {});
+
+/// These patches, those of the most faces first: what takes longest is to be begun first.
+std::vector<int> largest_first(const PatchLayout& layout, std::vector<int> patches);
 
 }  // namespace sheetform

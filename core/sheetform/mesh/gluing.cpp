@@ -6,6 +6,12 @@
 #include <tuple>
 
 namespace sheetform::gluing {
+
+double area(const TriangleSoup& soup, int face) {
+  const auto& t = soup.faces[face];
+  return (soup.points[t[1]] - soup.points[t[0]]).cross(soup.points[t[2]] - soup.points[t[0]]).norm() / 2;
+}
+
 namespace {
 
 constexpr int kMostPaired = 16;  // more faces on one edge are all cut apart; also keeps the work linear
@@ -65,11 +71,6 @@ void pair_up(const TriangleSoup& soup, const int* begin, const int* end, Gluing&
 Vector3 middle(const TriangleSoup& soup, int face) {
   const auto& t = soup.faces[face];
   return (soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3;
-}
-
-double area(const TriangleSoup& soup, int face) {
-  const auto& t = soup.faces[face];
-  return (soup.points[t[1]] - soup.points[t[0]]).cross(soup.points[t[2]] - soup.points[t[0]]).norm() / 2;
 }
 
 struct Step {

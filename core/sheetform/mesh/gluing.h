@@ -16,6 +16,9 @@ struct Gluing {
   int one_sided_components = 0;
 };
 
+/// Of a face of the soup.
+double area(const TriangleSoup& soup, int face);
+
 /// Glues sides with the same two vertices. Of more than two the flattest pairs of matching orientation are
 /// glued.
 Gluing glue(const TriangleSoup& soup);

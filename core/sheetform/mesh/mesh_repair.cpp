@@ -150,22 +150,17 @@ void drop_duplicates(Work& work) {
 // Components of faces that have no area all together go, such as a needle that was cut open from the faces at
 // its sides: no sheet could be made of them. Whether there were any; what has no area at all stays.
 bool drop_without_area(Work& work, const Gluing& g) {
-  const std::vector<Vector3>& points = work.soup.points;
-  const double diagonal = bounding_box_diagonal(points), least = kNoArea * diagonal * diagonal;
+  const double diagonal = bounding_box_diagonal(work.soup.points), least = kNoArea * diagonal * diagonal;
   const int n = static_cast<int>(work.soup.faces.size());
-  const auto area = [&](int f) {
-    const auto& t = work.soup.faces[f];
-    return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
-  };
   std::vector<char> seen(n, 0), empty(n, 0);
   int left = n;
   for (int seed = 0; seed < n; ++seed) {
-    if (seen[seed] || area(seed) > least) continue;
+    if (seen[seed] || gluing::area(work.soup, seed) > least) continue;
     std::vector<int> component{seed};
     double sum = 0;
     seen[seed] = 1;
     for (std::size_t i = 0; i < component.size(); ++i) {
-      sum += area(component[i]);
+      sum += gluing::area(work.soup, component[i]);
       for (int side = 3 * component[i]; side < 3 * component[i] + 3; ++side)
         if (const int f = g.partner[side] / 3; g.partner[side] >= 0 && !seen[f])
           seen[f] = 1, component.push_back(f);

@@ -481,10 +481,7 @@ std::vector<std::shared_ptr<const PatchEvaluation>> LayoutEvaluator::patches(con
   std::vector<int> open;
   for (int p = 0; p < static_cast<int>(all.size()); ++p)
     if (!(all[p] = known(layout.patches[p]))) open.push_back(p);
-  // What takes longest is begun first.
-  std::stable_sort(open.begin(), open.end(), [&](int a, int b) {
-    return layout.patches[a].faces.size() > layout.patches[b].faces.size();
-  });
+  open = largest_first(layout, std::move(open));
   parallel_for(context_, static_cast<int>(open.size()),
                [&](int i) { all[open[i]] = patch(layout, open[i]); });
   return all;

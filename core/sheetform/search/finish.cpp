@@ -59,11 +59,9 @@ FinalPass::FinalPass(const SearchSurface& surface, const PathNetwork& network, c
       patches_(layout.patches.size()),
       hopeless_(layout.patches.size(), 0),
       pull_(kDrawn) {
-  std::vector<int> order(patches_.size());  // what takes longest is begun first
+  std::vector<int> order(patches_.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return layout.patches[a].faces.size() > layout.patches[b].faces.size();
-  });
+  order = largest_first(layout, std::move(order));
   parallel_for(context_, static_cast<int>(order.size()),
                [&](int i) { choose_level(order[i], kHighestLevel); });
 }

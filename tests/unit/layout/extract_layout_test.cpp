@@ -440,14 +440,8 @@ TEST(ExtractLayout, FromTheOneBeforeItIsTheSame) {
   std::mt19937 random(3);
   const auto any = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   for (int drawing = 0; drawing < 12; ++drawing) {
-    Canvas canvas;
+    Canvas canvas = drawing % 3 == 0 ? torus(6, 4) : Canvas();
     canvas.steps = 2;
-    canvas.roll = canvas.close = drawing % 3 == 0;
-    if (canvas.close)
-      canvas.place = [](double x, double y) {
-        const double a = x * 2 * M_PI / 6, b = y * 2 * M_PI / 4;
-        return Vector3((2 + std::cos(b)) * std::cos(a), (2 + std::cos(b)) * std::sin(a), std::sin(b));
-      };
     Drawing d = drawn("ABBACC/AABCCC/DABBCA/DDDACA", canvas);
     PatchLayout layout = extract_layout(d.mesh, d.network, d.versions, {});
     int last_version = 0;
