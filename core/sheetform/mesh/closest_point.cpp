@@ -326,12 +326,38 @@ void ClosestPointTree::append_parts(const Part& part, std::vector<Part>& to) con
   }
 }
 
-double distance_to_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c) {
+ClosestPoint closest_from(const SurfaceMesh& mesh, int face, const Vector3& query) {
+  ClosestPoint best;
+  const auto test = [&](int f) {
+    const auto& t = mesh.faces[f];
+    const Vector3 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    const Vector3 weights = nearest_in_triangle(query, a, b, c);
+    const Vector3 point = a + weights[1] * (b - a) + weights[2] * (c - a);
+    const double d = (query - point).squaredNorm();
+    if (d < best.squared_distance) best = {point, weights, f, d};
+  };
+  test(face);
+  for (int from = -1; from != best.face;) {
+    from = best.face;
+    for (int v : mesh.faces[from])
+      for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e)
+        for (int f : {mesh.edges[*e].f0, mesh.edges[*e].f1})
+          if (f >= 0) test(f);
+  }
+  return best;
+}
+
+Vector3 nearest_in_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 w = query - a, ab = b - a, ac = c - a;
   const Vector2 weights = is_thin(ab, ac)
                               ? nearest_on_sides(w, ab, ac)
                               : nearest_weights(w.dot(ab), w.dot(ac), ab.dot(ab), ab.dot(ac), ac.dot(ac));
-  return (w - weights[0] * ab - weights[1] * ac).norm();
+  return {1 - weights[0] - weights[1], weights[0], weights[1]};
+}
+
+double distance_to_triangle(const Vector3& query, const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 weights = nearest_in_triangle(query, a, b, c);
+  return (query - a - weights[1] * (b - a) - weights[2] * (c - a)).norm();
 }
 
 }  // namespace sheetform

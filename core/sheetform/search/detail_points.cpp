@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "sheetform/mesh/far_vertices.h"
 
@@ -9,6 +10,11 @@ namespace sheetform {
 namespace {
 
 constexpr double kLeast = 0.06;  // of the tolerance
+
+bool before(const DetailPoint& a, const DetailPoint& b) {
+  return std::make_tuple(a.face, a.point.x(), a.point.y(), a.point.z()) <
+         std::make_tuple(b.face, b.point.x(), b.point.y(), b.point.z());
+}
 
 // Vertices of the input that may be farther than `least` from the working mesh. Of a half those on the side
 // of its image too, mirrored.
@@ -33,10 +39,10 @@ std::vector<Vector3> far_from(const ComponentInput& input, const ClosestPointTre
 
 }  // namespace
 
-std::vector<DetailPoint> detail_points(const ComponentInput& input, const ClosestPointTree& tree,
-                                       const SearchSurface& surface, double e_max, RunContext& context) {
+DetailPoints detail_points(const ComponentInput& input, const ClosestPointTree& tree,
+                           const SearchSurface& surface, double e_max, RunContext& context) {
+  if (!input.prepared.remeshed && input.whole.faces.empty()) return nullptr;
   std::vector<DetailPoint> details;
-  if (!input.prepared.remeshed && input.whole.faces.empty()) return details;
   const ClosestPointTree working(surface.mesh.points, surface.mesh.faces, context);
   const double least = kLeast * e_max;
   const std::vector<Vector3> may_be_far = far_from(input, tree, surface, working, least, context);
@@ -46,9 +52,40 @@ std::vector<DetailPoint> detail_points(const ComponentInput& input, const Closes
     const ClosestPoint hit = working.closest(p);
     if (hit.squared_distance > least * least) details.push_back({p, hit.barycentric, hit.face});
   }
-  std::stable_sort(details.begin(), details.end(),
-                   [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; });
+  if (details.empty()) return nullptr;
+  std::sort(details.begin(), details.end(), before);
+  return std::make_shared<const std::vector<DetailPoint>>(std::move(details));
+}
+
+std::vector<DetailPoint> followed(const SurfaceMesh& mesh, const std::vector<char>& moved,
+                                  std::vector<DetailPoint> details) {
+  for (DetailPoint& d : details) {
+    const auto& t = mesh.faces[d.face];
+    if (!moved[t[0]] && !moved[t[1]] && !moved[t[2]]) continue;
+    const ClosestPoint now = closest_from(mesh, d.face, d.point);
+    d.face = now.face, d.barycentric = now.barycentric;
+  }
+  std::sort(details.begin(), details.end(), before);
   return details;
+}
+
+std::vector<int> faces_that_differ(const std::vector<DetailPoint>& one,
+                                   const std::vector<DetailPoint>& other) {
+  std::vector<int> faces;
+  const auto same = [](const DetailPoint& a, const DetailPoint& b) {
+    return a.face == b.face && a.point == b.point && a.barycentric == b.barycentric;
+  };
+  auto a = one.begin(), b = other.begin();
+  while (a != one.end() || b != other.end()) {
+    const int face = b == other.end() || (a != one.end() && a->face < b->face) ? a->face : b->face;
+    const auto beyond = [&](auto from, auto end) {
+      return std::find_if(from, end, [&](const DetailPoint& d) { return d.face > face; });
+    };
+    const auto a_end = beyond(a, one.end()), b_end = beyond(b, other.end());
+    if (!std::equal(a, a_end, b, b_end, same)) faces.push_back(face);
+    a = a_end, b = b_end;
+  }
+  return faces;
 }
 
 }  // namespace sheetform

@@ -206,12 +206,13 @@ void coverage_samples(const SearchSurface& surface, const PatchLayout& layout, c
   };
   for (std::size_t v = 0; v < chart.vertices.size(); ++v)
     add(chart.uv[v], surface.mesh.points[chart.vertices[v]], Vector3::UnitZ(), 0);
-  auto detail = surface.details.begin();
+  if (surface.details == nullptr) return;
+  auto detail = surface.details->begin();
   for (std::size_t i = 0; i < patch.faces.size(); ++i) {
     const int f = patch.faces[i];
-    detail = std::lower_bound(detail, surface.details.end(), f,
+    detail = std::lower_bound(detail, surface.details->end(), f,
                               [](const DetailPoint& d, int face) { return d.face < face; });
-    for (auto d = detail; d != surface.details.end() && d->face == f; ++d) {
+    for (auto d = detail; d != surface.details->end() && d->face == f; ++d) {
       const auto& t = chart.triangles[i];
       const Vector2 u = d->barycentric[0] * chart.uv[t[0]] + d->barycentric[1] * chart.uv[t[1]] +
                         d->barycentric[2] * chart.uv[t[2]];

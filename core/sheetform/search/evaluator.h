@@ -29,6 +29,8 @@ struct DetailPoint {
   Vector3 barycentric;
   int face;
 };
+/// Ascending by face, then by place.
+using DetailPoints = std::shared_ptr<const std::vector<DetailPoint>>;
 
 /// The surface as the search sees it; lengths are in bounding-box diagonals of the input.
 struct SearchSurface {
@@ -36,7 +38,7 @@ struct SearchSurface {
   std::vector<int> versions;  ///< per vertex, raised when it moves
   SurfaceGuide guide;
   const ClosestPointTree* input = nullptr;    ///< the untouched input
-  std::vector<DetailPoint> details;           ///< ascending by face
+  DetailPoints details;                       ///< null = there are none
   const CurvatureField* curvature = nullptr;  ///< of `mesh`; may be null but for the full morph
   std::vector<int> elimination_rank;          ///< see ruling/chart.h; may be empty
   PlaneBorder plane;                          ///< of a half; empty without symmetry

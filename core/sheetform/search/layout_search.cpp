@@ -48,7 +48,7 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
       evaluator_(std::make_shared<LayoutEvaluator>(surface_, params_.evaluation, context)),
       rules_(layout_rules(params.evaluation)),
       edge_length_(mean_edge_length(surface.mesh)),
-      rest_(surface.mesh.points),
+      rest_(shape()),
       face_gauss_(std::make_shared<const std::vector<double>>(face_gauss(surface))) {}
 
 LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params)
@@ -67,8 +67,7 @@ LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const Search
       last_version_(before.last_version_),
       rest_(before.rest_),
       face_gauss_(before.face_gauss_) {
-  surface_.mesh.points = rest_;
-  surface_.versions.assign(rest_.size(), 0);
+  take_shape(rest_);
   surface_.straight.clear();
 }
 

@@ -148,12 +148,15 @@ class LayoutSearch {
   void have_places();
   /// Remembers which patches have no strips as they are.
   void know_lost();
-  /// Where the vertices are, and which version of each that is.
+  /// Where the vertices are, which version of each that is, and where details lie.
   struct Shape {
     std::vector<Vector3> points;
     std::vector<int> versions;
+    DetailPoints details;
   };
-  Shape shape() const { return {surface_.mesh.points, surface_.versions}; }
+  Shape shape() const { return {surface_.mesh.points, surface_.versions, surface_.details}; }
+  void give_new_versions(const std::vector<int>& vertices);
+  void let_details_follow(const std::vector<char>& moved, const DetailPoints& to = nullptr);
   void take_shape(Shape shape);
   /// All that a change may have to be undone to.
   struct State {
@@ -283,7 +286,7 @@ class LayoutSearch {
   LayoutRules rules_;
   double edge_length_;
   int last_version_ = 0;
-  std::vector<Vector3> rest_;                              ///< the mesh before any smoothing
+  Shape rest_;                                             ///< the mesh before any smoothing
   std::shared_ptr<const std::vector<double>> face_gauss_;  ///< per face: its integral of |curvature|
   PatchLayout layout_;
   LayoutEvaluation evaluation_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "sheetform/search/detail_points.h"
 #include "sheetform/search/layout_search.h"
 
 namespace sheetform {
@@ -11,6 +12,8 @@ namespace {
 // Waves along paths of so many edges are halved where the usual smoothing spoils a patch: at least the
 // staircase goes. 0: as it was. The last round undoes what the put back spoils beside it.
 constexpr std::array<double, 4> kMilder{10, 5, 0, 0};
+// Of the tolerance: so far from the surface places of vertices may be left as these slide along.
+constexpr double kMostLeft = 0.3;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kRough = 35;  // degrees: arches that turn more at a vertex have a staircase left
 
@@ -29,8 +32,9 @@ double sharpest_turn(const std::vector<Vector3>& points, const Arch& arch) {
 
 SmoothParams LayoutSearch::smooth_params(double cutoff) const {
   SmoothParams params;
-  params.rest = &rest_;
+  params.rest = &rest_.points;
   params.cutoff_edges = cutoff;
+  params.most_left = kMostLeft * params_.evaluation.e_max;
   if (surface_.regions != nullptr)
     params.allowed = [&](const Vector3& from, const Vector3& to) { return outside_regions(from, to); };
   return params;
@@ -46,10 +50,31 @@ void LayoutSearch::smooth(double cutoff) {
     path_edge[e] = 1;
     if (is_held(net.kinds[net.edge_path[e]])) fixed[edge.v0] = fixed[edge.v1] = 1;
   }
-  for (int v :
-       smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, smooth_params(cutoff), context_))
-    surface_.versions[v] = ++last_version_;
+  give_new_versions(
+      smooth_paths(surface_.mesh, path_edge, fixed, *surface_.input, smooth_params(cutoff), context_));
+}
+
+// After these have moved.
+void LayoutSearch::give_new_versions(const std::vector<int>& vertices) {
+  std::vector<char> moved(surface_.mesh.points.size(), 0);
+  for (int v : vertices) surface_.versions[v] = ++last_version_, moved[v] = 1;
+  let_details_follow(moved);
   changed();
+}
+
+// Versions of vertices tell patches apart: faces that get other details than they had, or than they had where
+// their vertices have moved `to`, have new ones.
+void LayoutSearch::let_details_follow(const std::vector<char>& moved, const DetailPoints& to) {
+  if (surface_.details == nullptr) return;
+  const SurfaceMesh& mesh = surface_.mesh;
+  auto details = std::make_shared<const std::vector<DetailPoint>>(followed(mesh, moved, *surface_.details));
+  std::vector<int> faces = faces_that_differ(*surface_.details, *details);
+  if (to != nullptr)
+    for (int f : faces_that_differ(*to, *details))
+      if (moved[mesh.faces[f][0]] || moved[mesh.faces[f][1]] || moved[mesh.faces[f][2]]) faces.push_back(f);
+  for (int f : faces)
+    for (int v : mesh.faces[f]) surface_.versions[v] = ++last_version_;
+  surface_.details = std::move(details);
 }
 
 // Vertices go to where they are in another shape of the surface, and so do those of faces that this would
@@ -57,7 +82,11 @@ void LayoutSearch::smooth(double cutoff) {
 void LayoutSearch::move_to(const std::vector<int>& vertices, const Shape& shape) {
   SurfaceMesh& mesh = surface_.mesh;
   const std::vector<Vector3>& points = shape.points;
-  const auto move = [&](int v) { mesh.points[v] = points[v], surface_.versions[v] = shape.versions[v]; };
+  std::vector<char> moved(points.size(), 0);
+  const auto move = [&](int v) {
+    mesh.points[v] = points[v], surface_.versions[v] = shape.versions[v];
+    moved[v] = 1;
+  };
   for (int v : vertices) move(v);
   const auto normal_there = [&](int f) {
     const auto& t = mesh.faces[f];
@@ -72,11 +101,13 @@ void LayoutSearch::move_to(const std::vector<int>& vertices, const Shape& shape)
         if (mesh.points[v] != points[v]) move(v), again = true;
     }
   }
+  let_details_follow(moved, shape.details);
   changed();
 }
 
 void LayoutSearch::take_shape(Shape shape) {
   surface_.mesh.points = std::move(shape.points), surface_.versions = std::move(shape.versions);
+  surface_.details = std::move(shape.details);
   changed();
 }
 
@@ -133,9 +164,7 @@ bool LayoutSearch::try_smooth_arch(const Arch& arch, double cutoff, double from_
   }
   SmoothParams params = smooth_params(cutoff);
   params.rest = nullptr;
-  for (int v : smooth_paths(mesh, path_edge, fixed, *surface_.input, params, context_))
-    surface_.versions[v] = ++last_version_;
-  changed();
+  give_new_versions(smooth_paths(mesh, path_edge, fixed, *surface_.input, params, context_));
   std::set<int> moved;
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int v : mesh.faces[f])

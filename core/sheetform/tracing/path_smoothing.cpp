@@ -128,6 +128,7 @@ class Smoother {
     if (goals_.empty()) return;
     add_around();
     remember_faces();
+    remember_heights();
     move(context);
     make_room(context);
     repair();
@@ -199,6 +200,28 @@ class Smoother {
     }
   }
 
+  // Vertices that stand out so far from those around that their place could be left.
+  void remember_heights() {
+    high_.assign(region_.movable.size(), 0);
+    if (!std::isfinite(params_.most_left)) return;
+    for (std::size_t i = 0; i < high_.size(); ++i) {
+      const int v = region_.movable[i];
+      double height = 0;
+      for (const int* e = mesh_.ring_begin_of(v); e != mesh_.ring_end_of(v); ++e)
+        height = std::max(height, std::abs(region_.normal[i].dot(mesh_.points[mesh_.edges[*e].other(v)] -
+                                                                 mesh_.points[v])));
+      high_[i] = height > params_.most_left;
+    }
+  }
+
+  bool is_left(std::size_t i) const {
+    const Vector3& place = region_.start[i];
+    const int v = region_.movable[i];
+    if (mesh_.points[v] == place) return false;
+    const int beside = mesh_.edges[*mesh_.ring_begin_of(v)].f0;
+    return closest_from(mesh_, beside, place).squared_distance > params_.most_left * params_.most_left;
+  }
+
   void remember_faces() {
     std::vector<int> faces;
     for (int v : region_.movable) visit_faces_at(mesh_, v, [&](int f) { faces.push_back(f); });
@@ -253,6 +276,8 @@ class Smoother {
         for (int v : mesh_.faces[state.face])
           if (region_.slot[v] >= 0) back[region_.slot[v]] = 1;
       }
+      for (std::size_t i = 0; i < back.size(); ++i)
+        if (high_[i] && !back[i] && is_left(i)) back[i] = 1;
       for (std::size_t i = 0; i < back.size(); ++i) {
         if (!back[i] || level[i] > kHalvings) continue;
         changed = true;
@@ -272,6 +297,7 @@ class Smoother {
   Region region_;  // the path vertices first, one for each goal
   Points goals_;
   std::vector<FaceState> before_;
+  std::vector<char> high_;  // per movable vertex
 };
 
 }  // namespace

@@ -56,6 +56,37 @@ void expect_same_as_brute_force(const TriangleSoup& s, double spread, int querie
   }
 }
 
+TEST(ClosestFrom, FindsTheNearestPointFromFacesAround) {
+  const TriangleSoup soup = shapes::torus(40, 20);
+  const SurfaceMesh mesh = build_surface_mesh(soup.points, soup.faces);
+  const ClosestPointTree tree(soup.points, soup.faces);
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> off(-0.1, 0.1);
+  for (int f = 0; f < mesh.face_count(); f += 7) {
+    const Vector3 q = mesh.face_middle(f) + Vector3(off(rng), off(rng), off(rng));
+    const int start = mesh.edges[mesh.face_edges[f][0]].other_face(f);
+    const ClosestPoint from = closest_from(mesh, start, q), all = tree.closest(q);
+    EXPECT_NEAR(from.squared_distance, all.squared_distance, 1e-15);
+    const auto& t = mesh.faces[from.face];
+    const Vector3 p = from.barycentric[0] * mesh.points[t[0]] + from.barycentric[1] * mesh.points[t[1]] +
+                      from.barycentric[2] * mesh.points[t[2]];
+    EXPECT_LT((p - from.point).norm(), 1e-12);
+  }
+}
+
+TEST(ClosestFrom, StaysOnItsSideOfAThinWall) {
+  const TriangleSoup soup = shapes::box(8, Vector3(1, 1, 0.01));
+  const SurfaceMesh mesh = build_surface_mesh(soup.points, soup.faces);
+  const ClosestPointTree tree(soup.points, soup.faces);
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const Vector3 middle = mesh.face_middle(f), up = mesh.face_normal_raw(f).normalized();
+    if (std::abs(up.z()) < 0.9 || std::abs(middle.x()) > 0.3 || std::abs(middle.y()) > 0.3) continue;
+    const Vector3 q = middle - 0.009 * up;  // nearer to the other side
+    EXPECT_LT(mesh.face_normal_raw(tree.closest(q).face).dot(up), 0);
+    EXPECT_GT(mesh.face_normal_raw(closest_from(mesh, f, q).face).dot(up), 0);
+  }
+}
+
 TEST(ClosestPoint, AgreesWithBruteForceNearAndFar) {
   for (const TriangleSoup& s :
        {shapes::torus(24, 12), shapes::sphere(6), shapes::box(4, {1, 2, 3}), shapes::saddle(9)}) {

@@ -91,9 +91,9 @@ TEST(DecomposeComponent, SeamsAreSmooth) {
 TEST(DecomposeComponent, SearchesAgainOnlyWhereTheToleranceIsMissed) {
   const ComponentInput input = input_of(shapes::saddle(12, 0.8));
   const auto searched = [&](std::vector<int> seeds) {
-    ComponentParams params = params_of(0.02);
+    ComponentParams params = params_of(0.015);
     params.improvements = 0;
-    params.evaluation.normal_deviation = 10;  // just within reach
+    params.evaluation.normal_deviation = 9;  // just within reach
     params.seeds = std::move(seeds);
     RunContext context;
     return decompose_component(input, params, context);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sheetform/base/error.h"
+#include "sheetform/search/detail_points.h"
 #include "unit/search/drawn_surface.h"
 
 namespace sheetform {
@@ -125,6 +126,54 @@ TEST(LayoutSearch, SmoothingMovesVerticesOnTheSurfaceOnly) {
   const SurfaceMesh& mesh = s.bed.surface.mesh;
   for (int f = 0; f < mesh.face_count(); ++f)
     EXPECT_GT(mesh.face_normal_raw(f).dot(s.bed.surface.guide.normal[f]), 0);
+}
+
+// Points a little off the mesh, each attached to the face that it was made above; ascending.
+DetailPoints details_above(const SurfaceMesh& mesh, double height) {
+  std::vector<DetailPoint> details;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const Vector3 up = mesh.face_normal_raw(f).normalized();
+    const Vector3 weights(0.2 + 0.1 * (f % 5), 0.2, 0.6 - 0.1 * (f % 5));
+    Vector3 p = height * up;
+    for (int k = 0; k < 3; ++k) p += weights[k] * mesh.points[mesh.faces[f][k]];
+    details.push_back({p, weights, f});
+  }
+  return std::make_shared<const std::vector<DetailPoint>>(std::move(details));
+}
+
+TEST(LayoutSearch, DetailsStayAboveTheirFacesAsTheMeshIsSmoothed) {
+  Searched s(knobbly(20, 0.5, 5), 0.03);
+  SurfaceMesh& mesh = s.bed.surface.mesh;
+  const double height = 0.002;
+  const DetailPoints made = s.bed.surface.details = details_above(mesh, height);
+  const std::vector<DetailPoint>& before = *made;
+  const std::vector<int> versions = s.bed.surface.versions;
+  s.search->insert();  // and smooths
+  const std::vector<DetailPoint>& after = *s.bed.surface.details;
+  ASSERT_EQ(after.size(), before.size());
+  const ClosestPointTree tree(mesh.points, mesh.faces);
+  for (const DetailPoint& d : after) {
+    Vector3 below = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) below += d.barycentric[k] * mesh.points[mesh.faces[d.face][k]];
+    const double nearest = std::sqrt(tree.closest(d.point).squared_distance);
+    EXPECT_LE((below - d.point).norm(), nearest + 0.1 * height);
+  }
+  EXPECT_TRUE(std::is_sorted(after.begin(), after.end(),
+                             [](const DetailPoint& a, const DetailPoint& b) { return a.face < b.face; }));
+  const std::vector<int> changed = faces_that_differ(before, after);
+  EXPECT_GT(changed.size(), before.size() / 10) << "the test needs a path that moves";
+  for (int f : changed)
+    for (int v : mesh.faces[f]) EXPECT_GT(s.bed.surface.versions[v], versions[v]) << f;
+}
+
+TEST(DetailPoints, FacesThatDifferAreThoseWithOtherPoints) {
+  const auto at = [](int face, double x) { return DetailPoint{Vector3(x, 0, 0), Vector3(1, 0, 0), face}; };
+  const std::vector<DetailPoint> one{at(1, 0), at(1, 1), at(3, 0), at(5, 0)},
+      other{at(1, 0), at(1, 1), at(3, 2), at(4, 0), at(5, 0), at(5, 1)};
+  EXPECT_TRUE(faces_that_differ(one, one).empty());
+  EXPECT_EQ(faces_that_differ(one, other), (std::vector<int>{3, 4, 5}));
+  EXPECT_EQ(faces_that_differ(other, one), (std::vector<int>{3, 4, 5}));
+  EXPECT_EQ(faces_that_differ({}, one), (std::vector<int>{1, 3, 5}));
 }
 
 // Arches between two patches that turn by more than 35 degrees at a vertex.

@@ -227,6 +227,32 @@ TEST(SmoothPaths, NeverFlipsNorMakesSlivers) {
   }
 }
 
+// A staircase over hills, each one vertex high.
+TEST(SmoothPaths, LeavesNoTipBehind) {
+  const int n = 16;
+  const double height = 0.02, most = 0.004;  // edges are 1/16 long
+  TriangleSoup soup = shapes::plane(n, n);
+  for (Vector3& p : soup.points) p /= n;
+  const std::vector<int> chain = staircase(n);
+  for (std::size_t i = 3; i + 3 < chain.size(); i += 4) soup.points[chain[i]].z() = height;
+  const SurfaceMesh rest = build(soup);
+  const auto farthest_left = [&](const SurfaceMesh& mesh) {
+    const ClosestPointTree tree(mesh.points, mesh.faces);
+    double far = 0;
+    for (const Vector3& p : rest.points) far = std::max(far, std::sqrt(tree.closest(p).squared_distance));
+    return far;
+  };
+  SmoothParams params;
+  SurfaceMesh mesh = rest;
+  smooth(mesh, edges_of(mesh, {chain}), params, &rest);
+  EXPECT_GT(farthest_left(mesh), 2 * most) << "the test needs a path that leaves tips behind";
+  mesh = rest;
+  params.most_left = most;
+  EXPECT_FALSE(smooth(mesh, edges_of(mesh, {chain}), params, &rest).empty());
+  EXPECT_LE(farthest_left(mesh), most);
+  EXPECT_LT(turning(mesh, chain), 0.9 * turning(rest, chain));
+}
+
 TEST(SmoothPaths, Cancels) {
   SurfaceMesh mesh = build(shapes::plane(8, 8));
   const std::atomic<bool> stop{true};
