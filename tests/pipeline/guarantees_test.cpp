@@ -214,6 +214,17 @@ TEST(Guarantees, PlatesThinnerThanTheToleranceAreNotTurnedInsideOut) {
   }
 }
 
+// Two halves of the way around, each a gutter bent along its ring, do for a wire of any thickness.
+TEST(Guarantees, WiresThinnerThanTheToleranceAreFewParts) {
+  for (double radius : {0.03, 0.04}) {
+    const TriangleSoup soup = shapes::torus(200, 12, 1, radius);
+    const Decomposition d = run(soup, with_e_max(0.02));
+    expect_sound(soup, d);
+    EXPECT_TRUE(d.report.e_max_met) << radius;
+    EXPECT_LE(d.report.patches, 4) << radius;
+  }
+}
+
 // Two large faces a side of a ridge that bends too little for a crease: finer than the triangles that lie
 // across it allow. What is handed over is valid and says by how much and where it misses.
 TEST(Guarantees, ToleranceOutOfReachIsTold) {
