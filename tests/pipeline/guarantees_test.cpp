@@ -214,15 +214,20 @@ TEST(Guarantees, PlatesThinnerThanTheToleranceAreNotTurnedInsideOut) {
   }
 }
 
-// Two halves of the way around, each a gutter bent along its ring, do for a wire of any thickness.
+// Two gutters bent along the ring do for a wire; where its sides change places in a first search, a tolerance
+// that is much finer at once would make ten pieces of tube and more of it.
 TEST(Guarantees, WiresThinnerThanTheToleranceAreFewParts) {
-  for (double radius : {0.03, 0.04}) {
-    const TriangleSoup soup = shapes::torus(200, 12, 1, radius);
+  int again = 0, parts = 0;
+  for (int along : {170, 210, 270, 290}) {
+    const TriangleSoup soup = shapes::torus(along, 10, 1, 0.03);
     const Decomposition d = run(soup, with_e_max(0.02));
     expect_sound(soup, d);
-    EXPECT_TRUE(d.report.e_max_met) << radius;
-    EXPECT_LE(d.report.patches, 4) << radius;
+    EXPECT_TRUE(d.report.e_max_met) << along;
+    parts += d.report.patches;
+    for (const std::string& note : d.report.notes) again += note.find("thinner") != std::string::npos;
   }
+  EXPECT_LE(parts, 20);
+  EXPECT_GT(again, 0) << "the test needs a wire that is searched again";
 }
 
 // Two large faces a side of a ridge that bends too little for a crease: finer than the triangles that lie

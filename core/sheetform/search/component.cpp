@@ -1,6 +1,7 @@
 #include "sheetform/search/component.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -59,11 +60,9 @@ constexpr double kFineSpacing = ComponentParams().fine_spacing;
 // is too far, not only the farthest.
 constexpr double kLeastSplit = 0.05;
 constexpr int kRoundsOfFarthest = 15;
-constexpr double kFacing = 1e-3;  // mean cosine to the input below which strips are inside out
-// Where sides have become one or changed places, the tolerance is made finer by so much, so often: with half
-// of it at once wires took 13 and 19 parts instead of 2.
-constexpr double kFiner = 0.7;
-constexpr int kFinerAttempts = 6;
+constexpr double kFacing = 0.01;  // mean cosine to the input below which strips are inside out, or may be
+// Of the tolerance, where sides have changed places: with half of it at once wires took 5 to 19 parts, not 2.
+constexpr std::array<double, 6> kFiner{0.9, 0.75, 0.6, 0.4, 0.25, 0.125};
 constexpr const char* kKeptApart = "a part thinner than the tolerance was kept by working to a finer one";
 
 // Creases and drawn seams: the field follows them and paths end there.
@@ -656,17 +655,21 @@ class ComponentRun {
 // Sides of a plate thinner than the tolerance may have become one or changed places: finer parts part them.
 ComponentResult kept_apart(ComponentResult result, const ComponentInput& input, const ClosestPointTree& tree,
                            ComponentParams params, RunContext& context) {
-  for (int attempt = 0; attempt < kFinerAttempts; ++attempt) {
-    const bool apart =
-        facing(result.strips, input.reference, tree) > kFacing || !has_thickness(input.reference);
-    if (apart && check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0,
-                                 nullptr, context)
-                     .empty())
-      break;
-    params.evaluation.e_max *= kFiner;
+  const auto apart = [&](double least) {
+    return (facing(result.strips, input.reference, tree) > least || !has_thickness(input.reference)) &&
+           check_structure(result.strips, &input.prepared.mesh, params.evaluation.max_sides, 1.0, nullptr,
+                           context)
+               .empty();
+  };
+  for (std::size_t k = 0; !apart(kFacing); ++k) {
+    if (k == kFiner.size()) {
+      if (apart(0)) break;
+      throw Error(ErrorCode::kInternal, "no strips keep the sides of a component apart");
+    }
     const EvaluationCounts before = result.counts;
     ComponentRun(input, params, context)
-        .run({params.evaluation.e_max}, [&](std::size_t, const ComponentResult& r) { result = r; });
+        .run({kFiner[k] * params.evaluation.e_max},
+             [&](std::size_t, const ComponentResult& r) { result = r; });
     result.counts += before;
     result.notes.push_back(kKeptApart);
   }

@@ -63,7 +63,8 @@ void sweep_component(const ComponentInput& input, const ComponentParams& params,
                      const std::vector<double>& e_max, RunContext& context,
                      const std::function<void(std::size_t, ComponentResult)>& found);
 
-/// Always returns valid strips: what cannot be kept is split until it can. Throws only as the context does.
+/// Always returns valid strips: what cannot be kept is split until it can. Throws as the context does, and
+/// Error kInternal where no valid strips are found, or sides thinner than the tolerance stay inside out.
 ComponentResult decompose_component(const ComponentInput& input, const ComponentParams& params,
                                     RunContext& context);
 
