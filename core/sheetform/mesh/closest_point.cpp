@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sheetform/mesh/faces_at.h"
+
 namespace sheetform {
 namespace {
 
@@ -339,10 +341,7 @@ ClosestPoint closest_from(const SurfaceMesh& mesh, int face, const Vector3& quer
   test(face);
   for (int from = -1; from != best.face;) {
     from = best.face;
-    for (int v : mesh.faces[from])
-      for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e)
-        for (int f : {mesh.edges[*e].f0, mesh.edges[*e].f1})
-          if (f >= 0) test(f);
+    for (int v : mesh.faces[from]) visit_faces_at(mesh, v, test);
   }
   return best;
 }

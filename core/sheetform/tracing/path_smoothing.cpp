@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sheetform/base/parallel_groups.h"
+#include "sheetform/mesh/faces_at.h"
 #include "sheetform/tracing/path_fairing.h"
 
 namespace sheetform {
@@ -20,14 +21,6 @@ using Points = std::vector<Vector3>;
 double quality_of(const SurfaceMesh& mesh, int f) {
   const auto& t = mesh.faces[f];
   return radius_ratio(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-}
-
-// Faces at v, each twice (once for each of its two edges there), border faces at least once.
-template <typename Visit>
-void visit_faces_at(const SurfaceMesh& mesh, int v, const Visit& visit) {
-  for (const int* e = mesh.ring_begin_of(v); e != mesh.ring_end_of(v); ++e)
-    for (int f : {mesh.edges[*e].f0, mesh.edges[*e].f1})
-      if (f >= 0) visit(f);
 }
 
 // Vertices that move, with what is needed to take them back. The mesh is at rest when they are added.
@@ -203,7 +196,6 @@ class Smoother {
   // Vertices that stand out so far from those around that their place could be left.
   void remember_heights() {
     high_.assign(region_.movable.size(), 0);
-    if (!std::isfinite(params_.most_left)) return;
     for (std::size_t i = 0; i < high_.size(); ++i) {
       const int v = region_.movable[i];
       double height = 0;
