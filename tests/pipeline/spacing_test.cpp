@@ -32,6 +32,32 @@ bool told(const Decomposition& d, const std::string& text) {
                      [&](const std::string& n) { return n.find(text) != std::string::npos; });
 }
 
+// Share of the length of all seams in steps of 2 % of the diagonal and more.
+double coarse_share(const Decomposition& d) {
+  double coarse = 0, all = 0;
+  for (const StripMesh::Arch& a : d.strips.arches)
+    for (std::size_t i = 0; i + 1 < a.vertices.size(); ++i) {
+      const double step = (d.strips.points[a.vertices[i + 1]] - d.strips.points[a.vertices[i]]).norm();
+      all += step;
+      if (step > 0.02 * d.bbox_diagonal) coarse += step;
+    }
+  return coarse / all;
+}
+
+// The finest outlines do not fit everywhere on this umbrella; where they were all given up for that it was
+// 0.98.
+TEST(Outlines, AreCoarseOnlyWhereFineOnesDoNotFit) {
+  const TriangleSoup umbrella = shapes::grid({96, 24, true, false}, [](double u, double v) {
+    const double a = 2 * shapes::kPi * u;
+    return Vector3((0.03 + v) * std::cos(a), (0.03 + v) * std::sin(a),
+                   -0.5 * v * v + 0.08 * v * std::abs(std::sin(4 * a)));
+  });
+  const Decomposition d = run(umbrella, with_e_max(0.01), 2);
+  expect_sound(umbrella, d);
+  EXPECT_TRUE(d.report.e_max_met);
+  EXPECT_LT(coarse_share(d), 0.75);
+}
+
 TEST(RulingSpacing, BoundsHoldInTheResult) {
   struct Case {
     TriangleSoup soup;

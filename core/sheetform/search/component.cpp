@@ -7,31 +7,26 @@
 #include <functional>
 #include <iterator>
 #include <memory>
-#include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "sheetform/base/error.h"
 #include "sheetform/ruling/follow_crosses.h"
-#include "sheetform/search/attempt.h"
 #include "sheetform/search/detail_points.h"
 #include "sheetform/search/fair_outlines.h"
 #include "sheetform/search/full_shape.h"
 #include "sheetform/search/laps.h"
-#include "sheetform/search/patch_tilt.h"
+#include "sheetform/search/measure_attempt.h"
 #include "sheetform/search/stroke_ends.h"
 #include "sheetform/strip/close_points.h"
-#include "sheetform/strip/mirror_distance.h"
 
 namespace sheetform {
 namespace {
 
-// Distances beyond the limit are found to a thousandth of it: what is below this share of e_max meets it.
-constexpr double kMeasured = 0.998;
-// Steps of one final pass; an excess over the tolerance has to shrink to this share at each, and beyond this
-// multiple of the tolerance rulings become plainer at once.
+// Steps of one final pass; an excess over the tolerance has to shrink to this share at each.
 constexpr int kMostSteps = 12;
-constexpr double kProgress = 0.85, kHard = 1.1;
+constexpr double kProgress = 0.85;
 // Multiples of the tolerance beyond which a pass that stays there for so many steps is given up (of 60 none
 // kept the tolerance later), and a whole result, which another search would not better; and of another pass's
 // excess beyond which a pass is given up.
@@ -42,11 +37,9 @@ constexpr int kStale = 2;
 constexpr int kMostEnlarged = 6;
 constexpr double kRoomAtEnd = 1.12;
 // Smoothing of the seams in the end: a point may go so far, in tolerances, or so far, in diagonals, as the
-// zigzag of the mesh is high; measured so often at most; a point of a triangle that has less than this share
-// of a place is not to blame for it.
+// zigzag of the mesh is high; measured so often at most.
 constexpr double kFarthest = 0.5, kZigzag = 0.01;
 constexpr int kMostFairings = 8;
-constexpr double kLeastShare = 0.05;
 constexpr double kOnPlane = 1e-9;   // of the diagonal
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
 constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is wanted, none is traced or cut
@@ -94,7 +87,7 @@ class ComponentRun {
     curvature_ = principal_curvature(mesh, crease, {}, context_);
     parallel_for(context_, 3, [&](int i) {  // none needs another
       if (i == 1) return set_up_surface();
-      if (i == 2) return set_up_heights();
+      if (i == 2) return set_up_measure();
       field_ =
           cross_field(mesh, lines, curvature_, input_.guide.empty() ? nullptr : &input_.guide, {}, context_);
     });
@@ -120,6 +113,14 @@ class ComponentRun {
   struct Lane {
     SearchSurface surface;
     std::vector<std::unique_ptr<LayoutSearch>> searches;
+  };
+
+  // How outlines get their points in the last passes: fine ones bend more smoothly, with few points where no
+  // rulings end; even and coarser ones, as the search had them, may leave less to mend.
+  struct Outlines {
+    int coarser = 0;                   // 0: the finest, uneven; then even ones, the first as fine
+    std::vector<std::uint64_t> plain;  // keys of arches with even points whatever the others have
+    bool plain_as_searched = false;    // these as the search had them; else as fine as the others
   };
 
   // A search for the tolerance as it is now.
@@ -160,9 +161,8 @@ class ComponentRun {
     set_up_spacing();
   }
 
-  void set_up_heights() {
-    heights_ = std::make_unique<const HeightBound>(against().points, against().faces,
-                                                   tree_against().diagonal(), context_);
+  void set_up_measure() {
+    measure_ = std::make_unique<const AttemptMeasure>(input_, tree_, params_, context_);
   }
 
   // The search keeps to the lower bound; finer than the result usually is it need not be.
@@ -318,10 +318,10 @@ class ComponentRun {
   void finish(LayoutSearch& search) {
     bool have_best = false;
     Miss best;
-    std::size_t outline = 0;
+    Outlines outlines;
     for (int round = 0; round < 80; ++round) {
       context_.report(Stage::kFinal, round / (round + 4.0));
-      const Attempt attempt = build_best(search, round, outline);
+      const Attempt attempt = build_best(search, round, outlines);
       const bool valid = attempt.invalid.empty();
       if (search.release_plane(valid ? attempt.too_far : attempt.invalid) > 0) continue;
       if (attempt.invalid.empty()) {
@@ -329,7 +329,10 @@ class ComponentRun {
         if (!have_best || miss_of(attempt) < best) take(attempt, search.layout());
         best = have_best ? std::min(best, miss_of(attempt)) : miss_of(attempt);
         have_best = true;
-        if (attempt.too_far.empty()) return enlarge(search, round, outline);
+        if (attempt.too_far.empty()) {
+          refine(search, round, outlines);
+          return enlarge(search, round, outlines);
+        }
         if (round >= 30) return;
         if (!split_far(search, attempt, round)) return;
       } else {
@@ -363,76 +366,115 @@ class ComponentRun {
     return false;
   }
 
+  // Splits may have left parts that keep finer outlines now.
+  void refine(LayoutSearch& search, int round, Outlines& outlines) {
+    if (quick() || outlines.coarser == 0) return;
+    Outlines fine;
+    const Attempt attempt = build_mixed(search, round, fine, build(search, round, fine));
+    if (!attempt.good()) return;
+    take(attempt, search.layout());
+    outlines = fine;
+  }
+
   // The last passes keep the tolerance a little better than the search can tell: what is slight still grows
   // or goes where that is enough.
-  void enlarge(LayoutSearch& search, int round, std::size_t outline) {
+  void enlarge(LayoutSearch& search, int round, Outlines outlines) {
     const int most = quick() || !params_.evaluation.t_junctions ? 0 : kMostEnlarged;
     for (int k = 0; k < most && result_.strips.patches.size() == search.layout().patches.size(); ++k) {
-      std::vector<double> areas;
-      for (const StripMesh::Patch& p : result_.strips.patches) areas.push_back(area_of(result_.strips, p));
-      search.know_strip_areas(areas);
+      search.know_strip_areas(strip_areas(result_.strips));
       if (search.grow_slight(kRoomAtEnd) == 0) return;
-      const Attempt attempt = build_best(search, round, outline);
+      const Attempt attempt = build_best(search, round, outlines);
       if (!attempt.good()) return;
       take(attempt, search.layout());
     }
   }
 
-  // Fine outlines bend more smoothly, with few points where no rulings end; even and coarser ones, as the
-  // search had them, when those leave little to mend. outline: which was the best, where the next round
-  // begins. After kSpacingRounds the distances asked for are not held any more.
-  Attempt build_best(LayoutSearch& search, int round, std::size_t& outline) {
-    const bool bounded = round < kSpacingRounds;
-    const SpacingBounds bounds = bounded ? params_.spacing : SpacingBounds{0, params_.spacing.most};
-    const double fine = bounded ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
-    std::vector<std::pair<double, double>> outlines{{fine, kSparsest}};  // spacing, and density (see above)
-    for (double spacing = fine; spacing <= params_.evaluation.spacing; spacing *= 1.4)
-      outlines.emplace_back(spacing, 1);
-    outline = std::min(outline, outlines.size() - 1);
-    Attempt best = build(search, outlines[outline].first, outlines[outline].second, bounds);
+  // After kSpacingRounds the distances asked for are not held any more.
+  static bool holds_spacing(int round) { return round < kSpacingRounds; }
+
+  // nullopt: coarser than the search had them.
+  std::optional<EvaluationParams> evaluation_of(const Outlines& outlines, int round) const {
+    EvaluationParams e = params_.evaluation;
+    e.e_max *= params_.margin;
+    e.normal_deviation *= params_.margin;
+    e.bounds = holds_spacing(round) ? params_.spacing : SpacingBounds{0, params_.spacing.most};
+    e.spacing = holds_spacing(round) ? params_.fine_spacing : std::min(params_.fine_spacing, kFineSpacing);
+    for (int k = 1; k < outlines.coarser; ++k) e.spacing *= 1.4;
+    e.sparsest = outlines.coarser == 0 ? kSparsest : 1;
+    e.plain_arches = outlines.plain;
+    e.plain_spacing = outlines.plain_as_searched ? params_.evaluation.spacing : e.spacing;
+    if (outlines.coarser > 0 && e.spacing > params_.evaluation.spacing) return std::nullopt;
+    return e;
+  }
+
+  // outlines: which were the best, where the next round begins.
+  Attempt build_best(LayoutSearch& search, int round, Outlines& outlines) {
+    while (!evaluation_of(outlines, round)) --outlines.coarser;
+    Attempt best = build(search, round, outlines);
     const std::size_t parts = search.layout().patches.size();
     if (best.has_gaps() || best.invalid.size() > std::max<std::size_t>(1, parts / kFewOf) ||
         (parts > kManyParts && round >= kOutlineRounds))
       return best;
-    for (std::size_t k = outline + 1; k < outlines.size() && !best.good(); ++k) {
-      Attempt other = build(search, outlines[k].first, outlines[k].second, bounds, &best);
-      if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outline = k;
+    if (outlines.coarser == 0) best = build_mixed(search, round, outlines, std::move(best));
+    Outlines next{outlines.coarser + 1, {}};
+    for (; !best.good() && evaluation_of(next, round); ++next.coarser) {
+      Attempt other = build(search, *evaluation_of(next, round), &best);
+      if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outlines = next;
     }
-    SpacingBounds narrow = bounds;
-    for (int k = 0; k < kEvener && bounded && best.invalid.empty() && best.uneven.any(); ++k) {
-      narrow = tightened(narrow, best.uneven);
-      Attempt other = build(search, best.evaluation.spacing, best.evaluation.sparsest, narrow);
+    EvaluationParams narrow = best.evaluation;
+    for (int k = 0; k < kEvener && holds_spacing(round) && best.invalid.empty() && best.uneven.any(); ++k) {
+      narrow.bounds = tightened(narrow.bounds, best.uneven);
+      Attempt other = build(search, narrow);
       const bool as_good = other.invalid.empty() && other.too_far.size() <= best.too_far.size();
       if (as_good && other.uneven.worst() < best.uneven.worst()) best = std::move(other);
     }
     return best;
   }
 
+  // From `best`, which has these outlines: plain ones around the parts that fail.
+  Attempt build_mixed(LayoutSearch& search, int round, Outlines& outlines, Attempt best) {
+    for (const bool as_searched : {false, true}) {
+      if (best.good()) break;
+      Outlines next = with_plain(outlines, search.layout(), {best.invalid, best.too_far});
+      next.plain_as_searched |= as_searched;
+      if (next.plain == outlines.plain && next.plain_as_searched == outlines.plain_as_searched) continue;
+      Attempt other = build(search, round, next);
+      if (!other.has_gaps() && rank(other) < rank(best)) best = std::move(other), outlines = std::move(next);
+    }
+    return best;
+  }
+
+  static Outlines with_plain(Outlines outlines, const PatchLayout& layout,
+                             const std::vector<std::vector<int>>& patches) {
+    std::vector<std::uint64_t>& plain = outlines.plain;
+    for (const std::vector<int>& some : patches)
+      for (int p : some)
+        for (const ArchUse& use : layout.patches[p].boundary) plain.push_back(layout.arches[use.arch].key);
+    std::sort(plain.begin(), plain.end());
+    plain.erase(std::unique(plain.begin(), plain.end()), plain.end());
+    return outlines;
+  }
+
+  Attempt build(LayoutSearch& search, int round, const Outlines& outlines) {
+    return build(search, *evaluation_of(outlines, round));
+  }
+
   // Given up where it will not be better than `to_beat`.
-  Attempt build(LayoutSearch& search, double spacing, double sparsest, const SpacingBounds& bounds,
-                const Attempt* to_beat = nullptr) {
-    EvaluationParams fine = params_.evaluation;
-    fine.e_max *= params_.margin;
-    fine.normal_deviation *= params_.margin;
-    fine.spacing = spacing;
-    fine.sparsest = sparsest;
-    fine.bounds = bounds;
-    FinalPass pass(lane_->surface, search.network().network(), search.layout(), fine, search.evaluator(),
-                   context_);
-    Attempt best = best_of(pass, fine, to_beat);
+  Attempt build(LayoutSearch& search, const EvaluationParams& evaluation, const Attempt* to_beat = nullptr) {
+    FinalPass pass(lane_->surface, search.network().network(), search.layout(), evaluation,
+                   search.evaluator(), context_);
+    Attempt best = best_of(pass, evaluation, to_beat);
     result_.counts += pass.counts();
     return best;
   }
 
-  Attempt best_of(FinalPass& pass, const EvaluationParams& fine, const Attempt* to_beat) {
+  Attempt best_of(FinalPass& pass, const EvaluationParams& evaluation, const Attempt* to_beat) {
     Attempt best;
     for (int step = 0, stale = 0; step < kMostSteps; ++step) {
       context_.checkpoint();
-      const FinishedLayout finished = pass.solve(10);
+      FinishedLayout finished = pass.solve(10);
       context_.checkpoint();
-      Attempt attempt = measured(finished);
-      attempt.evaluation = fine;
-      attempt.uneven = spacing_miss(attempt.strips, params_.spacing);
+      Attempt attempt = measure_->measured(std::move(finished), evaluation);
       if (attempt.good()) return attempt;
       if (attempt.has_gaps()) return step == 0 ? attempt : best;
       const bool better = step == 0 || clearly_better(attempt, best);
@@ -472,94 +514,6 @@ class ComponentRun {
     return {a.bad(), a.invalid.size(), a.miss};
   }
 
-  Attempt measured(const FinishedLayout& finished) {
-    Attempt attempt;
-    attempt.finished = finished;
-    const std::vector<int>& failing = finished.failing;
-    if (attempt.has_gaps()) {  // around them distances would be those to other patches
-      attempt.invalid = failing;
-      return attempt;
-    }
-    attempt.strips = assemble_strips(attempt.finished.source);
-    const auto parts = static_cast<int>(attempt.strips.patches.size());
-    std::vector<char> is_invalid(parts, 0);
-    parallel_for(context_, parts, [&](int p) {
-      is_invalid[p] = std::binary_search(failing.begin(), failing.end(), p) ||
-                      !check_patch(attempt.strips, p, 1.0).empty();
-    });
-    for (int p = 0; p < parts; ++p)
-      if (is_invalid[p]) attempt.invalid.push_back(p);
-    DistanceReport d = far_places(attempt.strips);
-    attempt.distance = d.hausdorff();
-    attempt.miss = attempt.distance / params_.evaluation.e_max;
-    attempt.far = std::move(d.far);
-    attempt.error = std::move(d.patch_error);
-    for (double& error : attempt.error) error /= params_.evaluation.e_max;
-    for (int p = 0; p < parts; ++p)
-      if (attempt.error[p] > kMeasured && is_invalid[p] == 0) {
-        attempt.too_far.push_back(p);
-        if (attempt.error[p] > kHard) attempt.hard.push_back(p);
-      }
-    measure_tilt(attempt);
-    return attempt;
-  }
-
-  // A half is measured as what it becomes.
-  bool is_half() const { return !input_.whole.faces.empty(); }
-  const TriangleSoup& against() const { return is_half() ? input_.whole : input_.reference; }
-  const ClosestPointTree& tree_against() const { return is_half() ? *input_.whole_tree : tree_; }
-
-  DistanceReport far_places(const StripMesh& strips) const {
-    const double limit = params_.margin * params_.evaluation.e_max;
-    return (is_half() ? find_far_with_image : find_far)(against(), tree_against(), *heights_, strips, limit,
-                                                        context_);
-  }
-
-  NormalReport tilts(const StripMesh& strips) const {
-    const TriangleSoup& input = against();
-    if (is_half())
-      return measure_normals_with_image(input, tree_against(), strips, kCertificateSamples, context_);
-    return measure_normals(input.points, input.faces, tree_against(), strips, kCertificateSamples, context_);
-  }
-
-  // Takes the normal deviation into the attempt; while it is not met, all larger patches that exceed it are
-  // too far.
-  void measure_tilt(Attempt& attempt) const {
-    const double limit = params_.evaluation.normal_deviation * params_.margin;
-    if (limit <= 0) return;
-    const NormalReport normals = tilts(attempt.strips);
-    attempt.miss = std::max(attempt.miss, normals.quantile / limit);
-    if (normals.quantile <= limit) return;
-    std::vector<double> area;
-    for (const StripMesh::Patch& p : attempt.strips.patches) area.push_back(area_of(attempt.strips, p));
-    const double least = kLeastTiltedShare * std::accumulate(area.begin(), area.end(), 0.0);
-    for (std::size_t p = 0; p < area.size(); ++p)
-      if (area[p] > least && normals.patch_quantile[p] > limit) {
-        attempt.too_far.push_back(static_cast<int>(p));
-        attempt.error[p] = std::max(attempt.error[p], normals.patch_quantile[p] / limit);
-      }
-    std::sort(attempt.too_far.begin(), attempt.too_far.end());
-    attempt.too_far.erase(std::unique(attempt.too_far.begin(), attempt.too_far.end()), attempt.too_far.end());
-  }
-
-  static double area_of(const StripMesh& strips, const StripMesh::Patch& patch) {
-    double twice = 0;
-    for (const StripMesh::Triangle& t : patch.triangles)
-      twice += (strips.points[t.v[1]] - strips.points[t.v[0]])
-                   .cross(strips.points[t.v[2]] - strips.points[t.v[0]])
-                   .norm();
-    return twice / 2;
-  }
-
-  // Points that what is beyond the tolerance hangs on.
-  std::vector<int> points_beyond(const Attempt& attempt) const {
-    std::vector<int> points;
-    for (const FarPlace& far : attempt.far)
-      for (int k = 0; k < 3 && far.distance > kMeasured * params_.evaluation.e_max; ++k)
-        if (far.barycentric[k] > kLeastShare) points.push_back(far.triangle[k]);
-    return points;
-  }
-
   // Not far, not beyond the plane of symmetry, not into a region where no seam is wanted.
   bool may_be_faired(const Vector3& from, const Vector3& to) const {
     if ((to - from).norm() > std::max(kFarthest * params_.evaluation.e_max, kZigzag)) return false;
@@ -578,12 +532,11 @@ class ComponentRun {
     for (int step = 0; step < kMostFairings; ++step) {
       FinishedLayout moved = rough.finished;
       moved.source.points = moved.evaluation.position = fairing.places();
-      Attempt fair = measured(moved);
-      fair.evaluation = rough.evaluation;
-      fair.uneven = spacing_miss(fair.strips, params_.spacing);
+      Attempt fair = measure_->measured(std::move(moved), rough.evaluation);
       if (fair.good() && fair.uneven.worst() <= std::max(rough.uneven.worst(), 1.0)) return fair;
       const bool mended = fairing.hold_outlines(fair.invalid);
-      if (!fairing.hold(points_beyond(fair)) && !fairing.hold_outlines(fair.too_far) && !mended) break;
+      if (!fairing.hold(measure_->points_beyond(fair)) && !fairing.hold_outlines(fair.too_far) && !mended)
+        break;
     }
     return rough;
   }
@@ -605,7 +558,7 @@ class ComponentRun {
       FinishedLayout moved = reduced.finished;
       moved.source.points =
           full_morph_places(lane_->surface, layout, moved.evaluation, reduced.evaluation, keep, context_);
-      Attempt full = measured(moved);
+      Attempt full = measure_->measured(std::move(moved), reduced.evaluation);
       const std::vector<char> spoilt = spoilt_patches(full, reduced);
       if (std::count(spoilt.begin(), spoilt.end(), 1) == 0) {
         result_.strips = std::move(full.strips), result_.distance = full.distance, result_.miss = full.miss;
@@ -640,7 +593,7 @@ class ComponentRun {
   RunContext& context_;
   std::shared_ptr<const ClosestPointTree> own_tree_;
   const ClosestPointTree& tree_;
-  std::unique_ptr<const HeightBound> heights_;  // over the input
+  std::unique_ptr<const AttemptMeasure> measure_;
   CurvatureField curvature_;
   CrossField field_;
   TracingGraph graph_;

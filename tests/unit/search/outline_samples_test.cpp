@@ -47,6 +47,18 @@ TEST(OutlineSamples, AreFewAlongTheRulingsAndManyAcross) {
             sample_arch(h.drawing.mesh, *h.across, 0.05).size());
 }
 
+TEST(OutlineSamples, ArePlainOnSingleArches) {
+  const Halves h;
+  ASSERT_NE(h.between, nullptr);
+  ASSERT_NE(h.across, nullptr);
+  EvaluationParams params = sparse(0.12);
+  params.plain_arches = {h.between->key};
+  params.plain_spacing = 0.1;
+  EXPECT_EQ(outline_samples(h.bed.surface, *h.between, params), sample_arch(h.drawing.mesh, *h.between, 0.1));
+  EXPECT_EQ(outline_samples(h.bed.surface, *h.across, params),
+            outline_samples(h.bed.surface, *h.across, sparse(0.12)));
+}
+
 TEST(OutlineSamples, FollowTheArchWithinATenthOfTheTolerance) {
   shapes::Canvas wave;  // a plane, so that no rulings end anywhere, with waves for borders
   wave.steps = 24;
