@@ -39,7 +39,7 @@ constexpr double kRoomAtEnd = 1.12;
 // Smoothing of the seams in the end: a point may go so far, in tolerances, or so far, in diagonals, as the
 // zigzag of the mesh is high; measured so often at most.
 constexpr double kFarthest = 0.5, kZigzag = 0.01;
-constexpr int kMostFairings = 8;
+constexpr int kMostFairings = 16;
 constexpr double kOnPlane = 1e-9;   // of the diagonal
 constexpr double kSparsest = 0.12;  // of the outline points of the result where no rulings end
 constexpr double kBeside = 0.75;  // edges: so near to a region where no seam is wanted, none is traced or cut
