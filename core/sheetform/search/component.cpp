@@ -138,9 +138,13 @@ class ComponentRun {
     } else {
       lane_ = &lanes_[k];
       lane_->searches.push_back(
-          std::make_unique<LayoutSearch>(*lane_->searches.back(), start_, search_params()));
+          std::make_unique<LayoutSearch>(*lane_->searches.back(), start_, details(), search_params()));
     }
     return *lane_->searches.back();
+  }
+
+  DetailPoints details() const {
+    return detail_points(input_, tree_, surface_, params_.evaluation.e_max, context_);
   }
 
   void set_up_surface() {
@@ -153,7 +157,7 @@ class ComponentRun {
     surface_.elimination_rank = elimination_rank(surface_.mesh);
     surface_.crease = input_.prepared.crease_edge;
     if (input_.half) surface_.plane = plane_border(surface_.mesh, kOnPlane);
-    surface_.details = detail_points(input_, tree_, surface_, params_.evaluation.e_max, context_);
+    surface_.details = details();
     surface_.drawn_plane = input_.drawn_plane;
     if (!input_.keep_out.empty()) surface_.regions = &input_.keep_out;
     surface_.keep_out =

@@ -51,7 +51,8 @@ LayoutSearch::LayoutSearch(SearchSurface& surface, PathNetwork start, const Trac
       rest_(shape()),
       face_gauss_(std::make_shared<const std::vector<double>>(face_gauss(surface))) {}
 
-LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params)
+LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, DetailPoints details,
+                           const SearchParams& params)
     : surface_(before.surface_),
       network_(surface_.mesh, std::move(start)),
       graph_(before.graph_),
@@ -67,6 +68,7 @@ LayoutSearch::LayoutSearch(LayoutSearch& before, PathNetwork start, const Search
       last_version_(before.last_version_),
       rest_(before.rest_),
       face_gauss_(before.face_gauss_) {
+  rest_.details = std::move(details);
   take_shape(rest_);
   surface_.straight.clear();
 }

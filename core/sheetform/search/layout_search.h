@@ -38,9 +38,10 @@ class LayoutSearch {
   /// `surface.mesh` may be moved by smoothing; `graph` and `candidates` refer to its vertices by index.
   LayoutSearch(SearchSurface& surface, PathNetwork start, const TracingGraph& graph,
                std::vector<Path> candidates, const SearchParams& params, RunContext& context);
-  /// Starts again from `start` with other parameters: the surface is as it was before any smoothing. Takes
-  /// the charts of `before` where it has them, so that has to live as long; it must not be used any more.
-  LayoutSearch(LayoutSearch& before, PathNetwork start, const SearchParams& params);
+  /// Starts again from `start` with other parameters and details: the surface is as it was before any
+  /// smoothing. Takes the charts of `before` where it has them, so that has to live as long; it must not be
+  /// used any more.
+  LayoutSearch(LayoutSearch& before, PathNetwork start, DetailPoints details, const SearchParams& params);
 
   /// Inserts until every patch is a disk with few sides, then until every patch fits within e_max.
   void insert();

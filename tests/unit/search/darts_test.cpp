@@ -122,7 +122,7 @@ TEST(Darts, GoWhenTheyAreNotNeededAnyMore) {
   ASSERT_FALSE(tips(s.bed.surface.mesh, s.search->network().network()).empty());
   SearchParams generous;
   generous.evaluation.e_max = 0.3;
-  LayoutSearch search(*s.search, s.search->network().network(), generous);
+  LayoutSearch search(*s.search, s.search->network().network(), nullptr, generous);
   search.remove_arches();
   expect_viable(search, 0.3);
   EXPECT_EQ(inner_edges(s.bed.surface.mesh, search.network().network()), 0);

@@ -141,6 +141,21 @@ DetailPoints details_above(const SurfaceMesh& mesh, double height) {
   return std::make_shared<const std::vector<DetailPoint>>(std::move(details));
 }
 
+// A finer tolerance asks for details that a coarser one leaves out.
+TEST(LayoutSearch, StartsAgainWithOtherDetails) {
+  Searched s(shapes::plane(10), 0.03);
+  SearchParams params;
+  params.evaluation.e_max = 0.03;
+  const DetailPoints details = details_above(s.bed.surface.mesh, 0.1);
+  const double without = s.search->evaluation().patch_error.at(0);
+  LayoutSearch fine(*s.search, s.search->network().network(), details, params);
+  EXPECT_GT(fine.evaluation().patch_error.at(0), 0.03);
+  fine.smooth();
+  LayoutSearch coarse(fine, s.search->network().network(), nullptr, params);
+  EXPECT_EQ(s.bed.surface.details, nullptr);
+  EXPECT_DOUBLE_EQ(coarse.evaluation().patch_error.at(0), without);
+}
+
 TEST(LayoutSearch, DetailsStayAboveTheirFacesAsTheMeshIsSmoothed) {
   Searched s(knobbly(20, 0.5, 5), 0.03);
   SurfaceMesh& mesh = s.bed.surface.mesh;
