@@ -370,9 +370,10 @@ class ComponentRun {
     return false;
   }
 
-  // Splits may have left parts that keep finer outlines now.
+  // Splits may have left parts that keep finer outlines now. Distances that were asked for are kept as they
+  // are.
   void refine(LayoutSearch& search, int round, Outlines& outlines) {
-    if (quick() || outlines.coarser == 0) return;
+    if (quick() || outlines.coarser == 0 || params_.spacing.any()) return;
     Outlines fine;
     const Attempt attempt = build_mixed(search, round, fine, build(search, round, fine));
     if (!attempt.good()) return;
