@@ -8,6 +8,7 @@
 #include "sheetform/blueprint/page_layout.h"
 #include "sheetform/blueprint/text.h"
 #include "sheetform/decompose.h"
+#include "sheetform/strip/patch_shape.h"
 
 namespace sheetform {
 namespace {
@@ -198,15 +199,6 @@ Json report_of(const Decomposition& d) {
           {"defects", std::move(defects)},
           {"notes", d.report.notes},
           {"timings", std::move(timings)}};
-}
-
-double patch_area(const StripMesh& strips, const StripMesh::Patch& patch) {
-  double twice = 0;
-  for (const StripMesh::Triangle& t : patch.triangles)
-    twice += (strips.points[t.v[1]] - strips.points[t.v[0]])
-                 .cross(strips.points[t.v[2]] - strips.points[t.v[0]])
-                 .norm();
-  return twice / 2;
 }
 
 Json patch_of(const Decomposition& d, int id, const std::string& label) {

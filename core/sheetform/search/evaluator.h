@@ -69,7 +69,7 @@ struct EvaluationParams {
   double spacing = 0.03;  ///< of arch samples
   SpacingBounds bounds;   ///< of the same, asked for by the user
   double sparsest = 1;    ///< share of their density where no rulings end (see outline_samples.h)
-  std::vector<std::uint64_t> plain_arches;  ///< keys, ascending: of these samples are even,
+  std::vector<std::uint64_t> plain_arches;  ///< keys, ascending: samples of these are even
   double plain_spacing = 0.03;              ///< and so far apart
   double corner_reach = 0.03;               ///< length over which directions at nodes are taken
   double corner_turn = 55;      ///< degrees: a node where a patch turns by more is a corner: those of a

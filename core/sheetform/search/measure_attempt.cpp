@@ -6,6 +6,7 @@
 
 #include "sheetform/search/patch_tilt.h"
 #include "sheetform/strip/mirror_distance.h"
+#include "sheetform/strip/patch_shape.h"
 
 namespace sheetform {
 namespace {
@@ -102,14 +103,7 @@ std::vector<int> AttemptMeasure::points_beyond(const Attempt& attempt) const {
 
 std::vector<double> strip_areas(const StripMesh& strips) {
   std::vector<double> areas;
-  for (const StripMesh::Patch& patch : strips.patches) {
-    double twice = 0;
-    for (const StripMesh::Triangle& t : patch.triangles)
-      twice += (strips.points[t.v[1]] - strips.points[t.v[0]])
-                   .cross(strips.points[t.v[2]] - strips.points[t.v[0]])
-                   .norm();
-    areas.push_back(twice / 2);
-  }
+  for (const StripMesh::Patch& patch : strips.patches) areas.push_back(patch_area(strips, patch));
   return areas;
 }
 

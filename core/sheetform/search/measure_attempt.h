@@ -17,7 +17,7 @@ class AttemptMeasure {
                  RunContext& context);
 
   /// The strips of a layout with all that is wrong with them. evaluation: what they were made with. Cost: an
-  /// exact two-sided distance, 10 to 100 ms for some ten thousand faces.
+  /// exact two-sided distance.
   Attempt measured(FinishedLayout finished, const EvaluationParams& evaluation) const;
   /// Unknowns that what is beyond the tolerance hangs on.
   std::vector<int> points_beyond(const Attempt& attempt) const;

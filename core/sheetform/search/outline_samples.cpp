@@ -72,8 +72,6 @@ std::vector<double> outline_samples(const SearchSurface& surface, const Arch& ar
   if (surface.is_straight(arch)) return {0, edges};
   if (std::binary_search(params.plain_arches.begin(), params.plain_arches.end(), arch.key))
     return sample_arch(surface.mesh, arch, params.bounds.divide(arch.length, params.plain_spacing));
-  if (std::binary_search(params.plain_arches.begin(), params.plain_arches.end(), arch.key))
-    return sample_arch(surface.mesh, arch, params.bounds.divide(arch.length, params.plain_spacing));
   if (params.bounds.least > 0 || params.sparsest >= 1)
     return sample_arch(surface.mesh, arch, params.bounds.divide(arch.length, params.spacing));
   const Measure measure(surface, arch, params);

@@ -98,4 +98,13 @@ void fill_boundary_vt(StripMesh::Patch& patch) {
     patch.boundary_vt.push_back(uvs[(static_cast<std::size_t>(start) + i) % uvs.size()]);
 }
 
+double patch_area(const StripMesh& strips, const StripMesh::Patch& patch) {
+  double twice = 0;
+  for (const StripMesh::Triangle& t : patch.triangles)
+    twice += (strips.points[t.v[1]] - strips.points[t.v[0]])
+                 .cross(strips.points[t.v[2]] - strips.points[t.v[0]])
+                 .norm();
+  return twice / 2;
+}
+
 }  // namespace sheetform

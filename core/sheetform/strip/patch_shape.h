@@ -30,6 +30,9 @@ PatchShape shape_of(const StripMesh::Patch& patch);
 /// The place of `loop` from which `listed` runs along it, -1 if it does not. Both closed, first not repeated.
 int place_in_loop(const std::vector<int>& listed, const std::vector<int>& loop);
 
+/// Of its triangles in space, in square units of the points.
+double patch_area(const StripMesh& strips, const StripMesh::Patch& patch);
+
 /// Fills boundary_vt of `patch` from its triangles; empty when `boundary` is not the border of a disk.
 void fill_boundary_vt(StripMesh::Patch& patch);
 
