@@ -276,6 +276,7 @@ class ComponentRun {
     if (!quick()) {
       search.share_out_small();
       search.shorten_seams();
+      search.make_threes_two();
       search.leave_darts();
       search.improve(tries(search), params_.seed);
     }

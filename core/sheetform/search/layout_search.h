@@ -73,6 +73,9 @@ class LayoutSearch {
   /// Two neighbours at a time, those with the longest seam first, are cut anew: straight in the chart of both
   /// together, where that is shorter and every patch then fits. Returns how many were.
   int shorten_seams();
+  /// Three neighbours at a time, the least curved first, are cut anew as two: straight in the chart of all of
+  /// them, where every patch then fits. Returns how many went.
+  int make_threes_two();
   /// Number of patches plus a little for the length of the cuts, and much for what lies inside of the regions
   /// where none is wanted.
   double objective();
@@ -230,18 +233,25 @@ class LayoutSearch {
   bool try_in_order(const std::vector<Sharing>& ways, const Promising& promising,
                     const std::function<bool(const Sharing&)>& goes);
   bool share_out(int patch);
-  /// Two neighbours: a face of each, both keys when shorter seams were looked for, and these.
-  struct Pair {
-    int face, beyond;
-    std::uint64_t key;
+  /// Patches that may be cut anew together: a face of each, the sum of their keys when ways were looked for,
+  /// and these.
+  struct Group {
+    std::vector<int> faces;
+    std::uint64_t key = 0;
     std::vector<Sharing> ways;
   };
-  std::vector<Pair> pairs_by_seam();
-  std::uint64_t key_of(const Pair& pair) const;
-  bool try_shortest(const std::vector<Sharing>& ways);
+  Group group_of(const std::vector<int>& patches) const;
+  std::vector<int> patches_of(const Group& group) const;
+  std::uint64_t key_of(const Group& group) const;
+  std::vector<Group> pairs_by_seam();
+  std::vector<Group> threes_by_curvature();
+  using WaysOf = std::function<std::vector<Sharing>(const std::vector<int>& patches)>;
+  int recut(std::vector<Group> groups, const WaysOf& ways_of,
+            const std::function<bool(const std::vector<Sharing>&)>& goes);
   bool try_shorter(const Sharing& way);
-  std::vector<Sharing> straight_ways(int patch, int other) const;
-  std::vector<int> seam_between(int patch, int other) const;
+  std::vector<Sharing> straight_ways(const std::vector<int>& patches, double longest,
+                                     double least_area) const;
+  std::vector<int> seams_between(const std::vector<int>& patches) const;
   double cut_length();
   std::uint64_t neighbourhood_key(const Patch& patch) const;
   std::vector<int> smallest_first(const std::function<bool(const Patch&)>& asked_for);
@@ -259,6 +269,10 @@ class LayoutSearch {
     return with_loose_ends(network_.network(), std::move(edges), tip);
   }
   std::vector<int> with_loose_ends(const PathNetwork& net, std::vector<int> edges, int tip = -1) const;
+  struct CornerCount {
+    int corners = 0, bends = 0;  ///< bends may be within a side
+  };
+  CornerCount corners_without(const std::vector<int>& beside, const std::vector<int>& edges) const;
   bool too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges, int most);
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
   bool covers_hopeless(const std::function<bool(int)>& has) const;
@@ -295,10 +309,10 @@ class LayoutSearch {
   std::unordered_map<std::uint64_t, double>
       merge_values_;  ///< by arch and patches beside it; negative = not viable
   using Faces = std::shared_ptr<const std::vector<int>>;
-  std::vector<Faces> hopeless_;                    ///< what is far from being one patch; not after smoothing
-  std::unordered_set<std::uint64_t> unshared_;     ///< small patches that could not be shared out, by key
-  std::unordered_set<std::uint64_t> unshortened_;  ///< pairs whose seams could not be shortened, by key
-  std::unordered_set<std::uint64_t> ungrown_;      ///< slight patches that could not grow, by key
+  std::vector<Faces> hopeless_;                  ///< what is far from being one patch; not after smoothing
+  std::unordered_set<std::uint64_t> unshared_;   ///< small patches that could not be shared out, by key
+  std::unordered_set<std::uint64_t> not_recut_;  ///< groups that were looked at, by the sum of their keys
+  std::unordered_set<std::uint64_t> ungrown_;    ///< slight patches that could not grow, by key
   std::unordered_map<std::uint64_t, double> strip_share_;  ///< of a patch's area that its strips have, by key
   ArchPlaces places_;                                      ///< after the last morphs
   std::unordered_set<std::uint64_t>

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -175,17 +176,25 @@ std::vector<int> LayoutSearch::with_loose_ends(const PathNetwork& net, std::vect
 }
 
 // Whether the two patches beside these edges become one with too many corners, or with more than `most` with
-// those that may bend within a side: tells without a chart, from the angles that they have where they stay,
-// and from the sum of both angles where the edges end. A slit that stays has a corner at its tip.
+// those that may bend within a side.
 bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::vector<int>& edges, int most) {
   if (beside.size() != 2) return false;  // what becomes of them may be more than one patch
+  const CornerCount count = corners_without(beside, edges);
+  return count.corners > params_.evaluation.max_sides || count.corners + count.bends > most;
+}
+
+// Those that these patches have together when the edges between them go: told without a chart, from the
+// angles that they have where they stay, and from the sum of the angles where the edges end. A slit that
+// stays has a corner at its tip. None where an angle is not known.
+LayoutSearch::CornerCount LayoutSearch::corners_without(const std::vector<int>& beside,
+                                                        const std::vector<int>& edges) const {
   const std::unordered_set<int> gone(edges.begin(), edges.end());
   std::unordered_map<int, std::vector<double>> at_ends;  // by vertex
-  int corners = 0, bends = 0;
+  CornerCount count;
   for (int p : beside) {
     const std::vector<ArchUse>& uses = layout_.patches[p].boundary;
     const std::vector<NodeTurn>& turns = evaluator_->patch(layout_, p)->turns;
-    if (turns.size() != uses.size()) return false;
+    if (turns.size() != uses.size()) return {};
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const ArchUse &in = uses[(i + uses.size() - 1) % uses.size()], &out = uses[i];
       const std::vector<int>&to = layout_.arches[in.arch].edges, &from = layout_.arches[out.arch].edges;
@@ -195,14 +204,18 @@ bool LayoutSearch::too_many_corners(const std::vector<int>& beside, const std::v
       if (in_goes != out_goes)
         at_ends[turns[i].vertex].push_back(turns[i].angle);
       else if (!in_goes && std::abs(turns[i].angle) > turns[i].limit + kFirm)
-        ++(turns[i].may_bend ? bends : corners);
-      if (p == beside[0] && out_goes != out_ends) ++corners;  // a tip
+        ++(turns[i].may_bend ? count.bends : count.corners);
+      if (p == beside[0] && out_goes != out_ends) ++count.corners;  // a tip
     }
   }
   for (const auto& [vertex, angles] : at_ends)
-    if (angles.size() == 2 && network_degree(surface_.mesh, network_.network(), vertex) > 2)
-      corners += std::abs(angles[0] + angles[1] - 180) > params_.evaluation.corner_turn + kFirm;
-  return corners > params_.evaluation.max_sides || corners + bends > most;
+    if (angles.size() >= 2 && angles.size() <= beside.size() &&
+        network_degree(surface_.mesh, network_.network(), vertex) > 2) {
+      const double inside = 180.0 * static_cast<double>(angles.size() - 1);
+      const double turn = std::accumulate(angles.begin(), angles.end(), -inside);
+      count.corners += std::abs(turn) > params_.evaluation.corner_turn + kFirm;
+    }
+  return count;
 }
 
 // Whether the patches beside these edges bend both ways by too much to become one. O(faces).

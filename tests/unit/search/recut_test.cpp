@@ -1,4 +1,4 @@
-// Seams that are cut anew where a straight line is shorter.
+// Neighbours that are cut anew along a straight line: two for a shorter seam, three to become two.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,6 +75,57 @@ TEST(ShortenSeams, AreTheSameForAnyNumberOfThreads) {
   }
   EXPECT_EQ(networks[0], networks[1]);
   EXPECT_EQ(points[0], points[1]);
+}
+
+TEST(MakeThreesTwo, CutsThreeInARowAnew) {
+  const Drawing d = drawn("AAABBBBBCCC/AAABBBBBCCC", bent(0.1));
+  Begun s(d, 0.05);
+  ASSERT_EQ(s.search->layout().patches.size(), 3u);
+  EXPECT_EQ(s.search->make_threes_two(), 1);
+  EXPECT_EQ(s.search->layout().patches.size(), 2u);
+  EXPECT_LT(seam_length(*s.search), 1.05 * 2 * kCell);  // straight across
+  const double whole = surface_area(s.bed.surface.mesh);
+  for (const Patch& p : s.search->layout().patches) EXPECT_GT(p.area, 0.2 * whole);
+  expect_viable(*s.search, 0.05);
+}
+
+TEST(MakeThreesTwo, GoesOnUntilTwoAreLeft) {
+  Begun s(drawn("AABBCCDDEE/AABBCCDDEE", bent(0.1)), 0.05);
+  EXPECT_EQ(s.search->make_threes_two(), 3);
+  EXPECT_EQ(s.search->layout().patches.size(), 2u);
+}
+
+TEST(MakeThreesTwo, CreasesStay) {
+  Drawing d = drawn("AAABBBBBCCC/AAABBBBBCCC", bent(0.1));
+  const int path = d.network.add_path(PathKind::kCrease);
+  const std::vector<int> crease = d.line(3, 0, 3, 2);
+  for (int e : crease) d.network.edge_path[e] = path;
+  Begun s(d, 0.05);
+  EXPECT_EQ(s.search->make_threes_two(), 0);
+  EXPECT_EQ(s.search->layout().patches.size(), 3u);
+}
+
+TEST(MakeThreesTwo, LeavesWhatIsViableOnASphere) {
+  Searched s(shapes::sphere(12), 0.03);
+  s.reduce();
+  const std::size_t before = s.search->layout().patches.size();
+  const int gone = s.search->make_threes_two();
+  EXPECT_EQ(s.search->layout().patches.size(), before - gone);
+  expect_viable(*s.search, 0.03);
+  EXPECT_EQ(s.search->make_threes_two(), 0);
+}
+
+TEST(MakeThreesTwo, IsTheSameForAnyNumberOfThreads) {
+  std::vector<std::vector<int>> networks;
+  for (int threads : {1, 3}) {
+    Searched s(shapes::sphere(12), 0.015);
+    s.bed.context.threads = threads;
+    s.search->insert();
+    s.search->remove_paths();
+    EXPECT_GT(s.search->make_threes_two(), 0);
+    networks.push_back(s.search->network().network().edge_path);
+  }
+  EXPECT_EQ(networks[0], networks[1]);
 }
 
 // The chart of a rectangle and the straight cuts through it.
