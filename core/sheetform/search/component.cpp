@@ -353,7 +353,7 @@ class ComponentRun {
       if (round < 6 && params_.evaluation.t_junctions) {
         search.leave_darts();
         search.share_out_small();
-        if (!quick()) search.grow_slight();
+        if (!quick()) search.make_threes_two(), search.grow_slight();
       }
     }
   }
