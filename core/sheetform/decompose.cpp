@@ -109,7 +109,12 @@ struct Variant {
   std::vector<int> seeds;
   int improvements, improvements_of_many;
   std::uint64_t seed_offset;
+  double aim = ComponentParams().aim;
 };
+
+// What the others of thorough take for fitting: the last passes keep most of it, and split the rest. 28
+// meshes take 213 parts at 1 % and 136 at 2 % instead of 232 and 138, in as much time; 1.08 brings no more.
+constexpr double kBeyond = 1.04;
 
 const Variant kNormalVariant{Effort::kNormal, {60, 200}, 8, 0, 0};
 
@@ -124,9 +129,9 @@ std::vector<Variant> variants(Effort effort) {
       break;
   }
   return {kNormalVariant,
-          {Effort::kDraft, {60}, 300, 150, 1},
-          {Effort::kNormal, {200}, 300, 150, 2},
-          {Effort::kNormal, {400}, 300, 150, 3}};
+          {Effort::kDraft, {60}, 300, 150, 1, kBeyond},
+          {Effort::kNormal, {200}, 300, 150, 2, kBeyond},
+          {Effort::kNormal, {400}, 300, 150, 3, kBeyond}};
 }
 
 // size: of the component, in diagonals of the input.
@@ -145,6 +150,7 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
   c.morph = params.morph;
   c.seeds = variant.seeds;
   c.improvements = variant.improvements;
+  c.aim = variant.aim;
   c.improvements_of_many = variant.improvements_of_many;
   c.seed = params.seed + variant.seed_offset;
   return c;

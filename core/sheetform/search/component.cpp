@@ -201,7 +201,7 @@ class ComponentRun {
   SearchParams search_params() const {
     SearchParams search;
     search.evaluation = params_.evaluation;
-    search.evaluation.e_max *= params_.margin;
+    search.evaluation.e_max *= params_.aim;
     search.evaluation.normal_deviation *= params_.margin;
     return search;
   }

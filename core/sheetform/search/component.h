@@ -41,7 +41,8 @@ struct ComponentParams {
   int improvements_of_many = 10;          ///< the same with more parts, where a try wins less
   double fine_spacing = 0.015;            ///< outline samples of the result
   SpacingBounds spacing;                  ///< of the outline points of the result
-  double margin = 0.97;                   ///< the search aims at this share of e_max
+  double aim = 0.97;                      ///< share of e_max that fits while searching
+  double margin = 0.97;                   ///< the last passes aim at this share of e_max
   MorphKind morph = MorphKind::kReduced;  ///< gives the last positions; the search takes the reduced one
   std::uint64_t seed = 0;
 };
