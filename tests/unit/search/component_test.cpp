@@ -66,6 +66,23 @@ TEST(DecomposeComponent, KeepsItsPromises) {
   }
 }
 
+// What the search takes for fitting and the last passes cannot keep is split.
+TEST(DecomposeComponent, KeepsTheToleranceWhateverTheSearchTakesForFitting) {
+  const ComponentInput input = input_of(shapes::torus(48, 24));
+  std::set<std::size_t> parts;
+  for (double aim : {0.8, 1.04, 1.5}) {
+    ComponentParams params = params_of(0.03);
+    params.aim = aim;
+    RunContext context;
+    const ComponentResult result = decompose_component(input, params, context);
+    const auto defects = check_structure(result.strips, &input.prepared.mesh, 6, 1);
+    EXPECT_TRUE(defects.empty()) << text_of(defects);
+    EXPECT_LE(result.distance, 0.03) << aim;
+    parts.insert(result.strips.patches.size());
+  }
+  EXPECT_GT(parts.size(), 1u);
+}
+
 double turning(const std::vector<Vector3>& line) {
   double sum = 0;
   for (std::size_t i = 1; i + 1 < line.size(); ++i)
