@@ -150,8 +150,8 @@ ComponentParams component_params(const DecomposeParams& params, double e_max, co
   c.morph = params.morph;
   c.seeds = variant.seeds;
   c.improvements = variant.improvements;
-  c.aim = variant.aim;
   c.improvements_of_many = variant.improvements_of_many;
+  c.aim = variant.aim;
   c.seed = params.seed + variant.seed_offset;
   return c;
 }

@@ -289,11 +289,17 @@ std::vector<int> LayoutSearch::faces_of(const std::vector<int>& patches) const {
   return faces;
 }
 
-bool LayoutSearch::too_round(const PatchLayout& layout, const Patch& patch) const {
-  double outline = 0, gauss = 0;
-  for (const ArchUse& use : patch.boundary) outline += layout.arches[use.arch].length;
+// Its integral of |Gaussian curvature|.
+double LayoutSearch::gauss_of(const Patch& patch) const {
+  double gauss = 0;
   for (int f : patch.faces) gauss += (*face_gauss_)[f];
-  return too_round(patch.area, outline, gauss);
+  return gauss;
+}
+
+bool LayoutSearch::too_round(const PatchLayout& layout, const Patch& patch) const {
+  double outline = 0;
+  for (const ArchUse& use : patch.boundary) outline += layout.arches[use.arch].length;
+  return too_round(patch.area, outline, gauss_of(patch));
 }
 
 // What the region becomes under another network, when all of its patches are viable alone. The largest is

@@ -232,6 +232,7 @@ class LayoutSearch {
   using Promising = std::function<bool(const Sharing& way, std::vector<int>& hopeless)>;
   bool try_in_order(const std::vector<Sharing>& ways, const Promising& promising,
                     const std::function<bool(const Sharing&)>& goes);
+  bool try_fewer(const std::vector<Sharing>& ways);
   bool share_out(int patch);
   /// Patches that may be cut anew together: a face of each, the sum of their keys when ways were looked for,
   /// and these.
@@ -249,8 +250,8 @@ class LayoutSearch {
   int recut(std::vector<Group> groups, const WaysOf& ways_of,
             const std::function<bool(const std::vector<Sharing>&)>& goes);
   bool try_shorter(const Sharing& way);
-  std::vector<Sharing> straight_ways(const std::vector<int>& patches, double longest,
-                                     double least_area) const;
+  std::vector<Sharing> straight_ways(const std::vector<int>& patches, const std::vector<int>& seams,
+                                     double longest, double least_area) const;
   std::vector<int> seams_between(const std::vector<int>& patches) const;
   double cut_length();
   std::uint64_t neighbourhood_key(const Patch& patch) const;
@@ -277,6 +278,7 @@ class LayoutSearch {
   double merge_value(const Removal& removal, std::vector<int>& hopeless);
   bool covers_hopeless(const std::function<bool(int)>& has) const;
   void remember_hopeless(std::vector<std::vector<int>> found);
+  double gauss_of(const Patch& patch) const;
   bool too_round(const std::vector<int>& beside, double inner_length) const;
   bool too_round(const PatchLayout& layout, const Patch& patch) const;
   bool too_round(double area, double outline, double gauss) const;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -27,7 +26,6 @@ constexpr double kLeastOfThree = 0.25;
 // Root of the area of three patches times their integral of |Gaussian curvature|, in tolerances: beyond this
 // one in 150 becomes two, below it one in 28.
 constexpr double kMostCurved = 100;
-constexpr int kMostRounds = 20;   // of threes
 constexpr int kCornersOfCut = 2;  // that both parts have more together, at least
 
 // Those that are not among the others.
@@ -59,10 +57,11 @@ std::vector<int> LayoutSearch::seams_between(const std::vector<int>& patches) co
 // Seams of two patches instead of all that these have between them, straight in the chart of them together,
 // the shortest first. longest: as a share of what goes; least_area: on either side.
 std::vector<LayoutSearch::Sharing> LayoutSearch::straight_ways(const std::vector<int>& patches,
-                                                               double longest, double least_area) const {
+                                                               const std::vector<int>& seams, double longest,
+                                                               double least_area) const {
   std::vector<Sharing> ways;
-  const std::vector<int> seams = seams_between(patches), faces = faces_of(patches);
   if (seams.empty()) return ways;
+  const std::vector<int> faces = faces_of(patches);
   PathNetwork without_seams = network_.network();
   double length = 0;
   for (int e : seams) without_seams.edge_path[e] = PathNetwork::kFree, length += surface_.mesh.edge_length(e);
@@ -101,9 +100,7 @@ std::vector<LayoutSearch::Group> LayoutSearch::pairs_by_seam() {
 // Those with the least curvature on the least area first.
 std::vector<LayoutSearch::Group> LayoutSearch::threes_by_curvature() {
   std::vector<double> gauss;
-  for (const Patch& p : layout().patches)
-    gauss.push_back(std::accumulate(p.faces.begin(), p.faces.end(), 0.0,
-                                    [&](double sum, int f) { return sum + (*face_gauss_)[f]; }));
+  for (const Patch& p : layout().patches) gauss.push_back(gauss_of(p));
   const auto curved = [&](const std::array<int, 3>& three) {
     double area = 0, sum = 0;
     for (int p : three) area += layout_.patches[p].area, sum += gauss[p];
@@ -180,7 +177,7 @@ int LayoutSearch::shorten_seams() {
       pairs_by_seam(),
       [&](const std::vector<int>& pair) {
         const double smaller = std::min(layout_.patches[pair[0]].area, layout_.patches[pair[1]].area);
-        return straight_ways(pair, kShorter, kLeastShare * smaller);
+        return straight_ways(pair, seams_between(pair), kShorter, kLeastShare * smaller);
       },
       [&](const std::vector<Sharing>& ways) {
         return try_in_order(
@@ -192,22 +189,18 @@ int LayoutSearch::shorten_seams() {
 int LayoutSearch::make_threes_two() {
   know_lost();
   int done = 0;
-  for (int round = 0, last = 1; last > 0 && round < kMostRounds; ++round, done += last)
+  for (int last = 1; last > 0; done += last)
     last = recut(
         threes_by_curvature(),
         [&](const std::vector<int>& three) {
+          const std::vector<int> seams = seams_between(three);
+          if (corners_without(three, seams).corners > 2 * params_.evaluation.max_sides - kCornersOfCut)
+            return std::vector<Sharing>();
           double area = 0;
           for (int p : three) area += layout_.patches[p].area;
-          const int corners = corners_without(three, seams_between(three)).corners;
-          if (corners > 2 * params_.evaluation.max_sides - kCornersOfCut) return std::vector<Sharing>();
-          return straight_ways(three, 1, kLeastOfThree * area);
+          return straight_ways(three, seams, 1, kLeastOfThree * area);
         },
-        [&](const std::vector<Sharing>& ways) {
-          return try_in_order(
-              ways,
-              [&](const Sharing& way, std::vector<int>& hopeless) { return is_viable(way, 1, hopeless); },
-              [&](const Sharing& way) { return try_sharing(way); });
-        });
+        [&](const std::vector<Sharing>& ways) { return try_fewer(ways); });
   return done;
 }
 

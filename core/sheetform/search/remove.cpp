@@ -225,7 +225,7 @@ bool LayoutSearch::too_round(const std::vector<int>& beside, double inner_length
     const Patch& patch = layout_.patches[p];
     area += patch.area;
     for (const ArchUse& use : patch.boundary) outline += layout_.arches[use.arch].length;
-    for (int f : patch.faces) gauss += (*face_gauss_)[f];
+    gauss += gauss_of(patch);
   }
   return too_round(area, outline, gauss);
 }

@@ -191,12 +191,14 @@ bool LayoutSearch::try_in_order(const std::vector<Sharing>& ways, const Promisin
   return false;
 }
 
-bool LayoutSearch::share_out(int patch) {
+// The first that leaves fewer patches.
+bool LayoutSearch::try_fewer(const std::vector<Sharing>& ways) {
   return try_in_order(
-      sharings(patch),
-      [&](const Sharing& way, std::vector<int>& hopeless) { return is_viable(way, 1, hopeless); },
+      ways, [&](const Sharing& way, std::vector<int>& hopeless) { return is_viable(way, 1, hopeless); },
       [&](const Sharing& way) { return try_sharing(way); });
 }
+
+bool LayoutSearch::share_out(int patch) { return try_fewer(sharings(patch)); }
 
 // Undone where the patches around do not fit then, or more cuts lie where none are wanted.
 bool LayoutSearch::try_sharing(const Sharing& s, double slack) {

@@ -91,15 +91,10 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LeaveDarts,
                                            Case{"sphere", shapes::sphere(12), 0.04}));
 
 TEST(Darts, AreTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<int>> networks;
-  for (int threads : {1, 3}) {
-    Searched s(shapes::sphere(12), 0.04);
-    s.bed.context.threads = threads;
+  expect_same_for_any_number_of_threads(0.04, [](Searched& s) {
     reduce(*s.search);
     s.search->leave_darts();
-    networks.push_back(s.search->network().network().edge_path);
-  }
-  EXPECT_EQ(networks[0], networks[1]);
+  });
 }
 
 TEST(Darts, AreNotLeftWhereSeamsOfAPatchWithItselfOrTJunctionsAreForbidden) {

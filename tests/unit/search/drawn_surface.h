@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sheetform/base/error.h"
 #include "sheetform/mesh/creases.h"
@@ -51,6 +52,12 @@ inline shapes::Canvas bent(double arc, int steps = 6, double cell = 0.2) {
     return Vector3(radius * std::cos(arc * x), radius * std::sin(arc * x), cell * y);
   };
   return canvas;
+}
+
+/// These edges become a crease of the drawing.
+inline void make_crease(shapes::Drawing& d, const std::vector<int>& edges) {
+  const int path = d.network.add_path(PathKind::kCrease);
+  for (int e : edges) d.network.edge_path[e] = path;
 }
 
 /// Network edges inside of the surface.
@@ -136,5 +143,21 @@ struct Searched {
     return build_surface_mesh(std::move(soup.points), std::move(soup.faces));
   }
 };
+
+/// What `steps` make of a Searched sphere is the same with one thread and with three.
+template <class Steps>
+void expect_same_for_any_number_of_threads(double e_max, const Steps& steps) {
+  std::vector<std::vector<int>> networks;
+  std::vector<std::vector<Vector3>> points;
+  for (int threads : {1, 3}) {
+    Searched s(shapes::sphere(12), e_max);
+    s.bed.context.threads = threads;
+    steps(s);
+    networks.push_back(s.search->network().network().edge_path);
+    points.push_back(s.bed.surface.mesh.points);
+  }
+  EXPECT_EQ(networks[0], networks[1]);
+  EXPECT_EQ(points[0], points[1]);
+}
 
 }  // namespace sheetform

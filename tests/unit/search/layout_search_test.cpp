@@ -226,16 +226,11 @@ TEST(LayoutSearch, RoughArchesLoseTheirStaircaseAndPatchesStayViable) {
 }
 
 TEST(LayoutSearch, IsTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<int>> networks;
-  for (int threads : {1, 3}) {
-    Searched s(shapes::sphere(12), 0.04);
-    s.bed.context.threads = threads;
+  expect_same_for_any_number_of_threads(0.04, [](Searched& s) {
     s.search->insert();
     s.search->remove_paths();
     s.search->remove_arches();
-    networks.push_back(s.search->network().network().edge_path);
-  }
-  EXPECT_EQ(networks[0], networks[1]);
+  });
 }
 
 TEST(LayoutSearch, StopsWhenCancelled) {

@@ -43,9 +43,8 @@ TEST(ShortenSeams, StayWhereNothingIsWon) {
 
 TEST(ShortenSeams, CreasesStay) {
   Drawing d = drawn(kSlanted, bent(0.1));
-  const int path = d.network.add_path(PathKind::kCrease);
   const std::vector<int> crease = d.line(6, 0, 6, 1);
-  for (int e : crease) d.network.edge_path[e] = path;
+  make_crease(d, crease);
   Begun s(d, 0.05);
   EXPECT_EQ(s.search->shorten_seams(), 0);
   for (int e : crease) EXPECT_TRUE(s.network().used(e));
@@ -63,18 +62,10 @@ TEST(ShortenSeams, WhatNoLongerFitsIsUndone) {
 }
 
 TEST(ShortenSeams, AreTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<int>> networks;
-  std::vector<std::vector<Vector3>> points;
-  for (int threads : {1, 3}) {
-    Searched s(shapes::sphere(12), 0.03);
-    s.bed.context.threads = threads;
+  expect_same_for_any_number_of_threads(0.03, [](Searched& s) {
     s.reduce();
     s.search->shorten_seams();
-    networks.push_back(s.search->network().network().edge_path);
-    points.push_back(s.bed.surface.mesh.points);
-  }
-  EXPECT_EQ(networks[0], networks[1]);
-  EXPECT_EQ(points[0], points[1]);
+  });
 }
 
 TEST(MakeThreesTwo, CutsThreeInARowAnew) {
@@ -97,9 +88,7 @@ TEST(MakeThreesTwo, GoesOnUntilTwoAreLeft) {
 
 TEST(MakeThreesTwo, CreasesStay) {
   Drawing d = drawn("AAABBBBBCCC/AAABBBBBCCC", bent(0.1));
-  const int path = d.network.add_path(PathKind::kCrease);
-  const std::vector<int> crease = d.line(3, 0, 3, 2);
-  for (int e : crease) d.network.edge_path[e] = path;
+  make_crease(d, d.line(3, 0, 3, 2));
   Begun s(d, 0.05);
   EXPECT_EQ(s.search->make_threes_two(), 0);
   EXPECT_EQ(s.search->layout().patches.size(), 3u);
@@ -116,16 +105,11 @@ TEST(MakeThreesTwo, LeavesWhatIsViableOnASphere) {
 }
 
 TEST(MakeThreesTwo, IsTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<int>> networks;
-  for (int threads : {1, 3}) {
-    Searched s(shapes::sphere(12), 0.015);
-    s.bed.context.threads = threads;
+  expect_same_for_any_number_of_threads(0.015, [](Searched& s) {
     s.search->insert();
     s.search->remove_paths();
     EXPECT_GT(s.search->make_threes_two(), 0);
-    networks.push_back(s.search->network().network().edge_path);
-  }
-  EXPECT_EQ(networks[0], networks[1]);
+  });
 }
 
 // The chart of a rectangle and the straight cuts through it.

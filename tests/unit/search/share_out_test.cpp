@@ -21,11 +21,6 @@ EvaluationParams four_sides() {
   return params;
 }
 
-void make_crease(Drawing& d, const std::vector<int>& edges) {
-  const int path = d.network.add_path(PathKind::kCrease);
-  for (int e : edges) d.network.edge_path[e] = path;
-}
-
 TEST(ShareOut, NeighboursTakeTheirHalvesWhereNoneCanTakeTheWhole) {
   const Drawing d = drawn(kAcross, bent(0.1));
   Begun s(d, four_sides());
@@ -52,16 +47,11 @@ TEST(ShareOut, NothingIsTakenAcrossACrease) {
 }
 
 TEST(ShareOut, IsTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<int>> networks;
-  for (int threads : {1, 3}) {
-    Searched s(shapes::sphere(12), 0.03);
-    s.bed.context.threads = threads;
+  expect_same_for_any_number_of_threads(0.03, [](Searched& s) {
     s.reduce();
     s.search->share_out_small();
     expect_viable(*s.search, 0.03);
-    networks.push_back(s.search->network().network().edge_path);
-  }
-  EXPECT_EQ(networks[0], networks[1]);
+  });
 }
 
 }  // namespace
